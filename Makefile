@@ -96,6 +96,7 @@ $(BENCH)/installed: benchmarks/install benchmarks/requirements.txt benchmarks/pe
 format: setup ## format Python and TypeScript, and write the tables of parameters and settings in docs/
 	$(BIN)/python -m scripts.docking_tables
 	$(BIN)/python -m scripts.settings_table
+	$(BIN)/python -m scripts.error_table
 	$(BIN)/ruff check --fix --quiet . || true
 	$(BIN)/ruff format --quiet .
 	. scripts/node-env && cd frontend && npx --no-install biome check --write src tests client

@@ -56,6 +56,7 @@ def _contents(installed: Installed) -> Contents:
         models=(StopProblem,),
         messages=battery_schemas,
         values={"AlertKind": [kind.value for kind in installed.kinds]},
+        codes=installed.errors,
         asyncapi=partial(asyncapi_document, further=further),
     )
 

@@ -12,6 +12,7 @@ from starlette.routing import BaseRoute
 from dock_gateway import __version__
 from dock_gateway.access.authorization import authorize
 from dock_gateway.audit.trail import AuditTrail
+from dock_gateway.core.error_codes import CORE, ErrorCode
 from dock_gateway.http.dashboard import install_dashboard
 from dock_gateway.http.docs import install_docs
 from dock_gateway.http.methods import AllowedMethods, HeadAsGet, allowed_methods
@@ -45,6 +46,7 @@ class Contents:
         models: Further models that no route names.
         messages: Returns the schemas of ROS messages, by name.
         values: Further values of enumerations, by the name of the component.
+        codes: Further error codes.
         asyncapi: Makes the AsyncAPI document from the OpenAPI document, if there is one.
         many_sites: Whether it is one dashboard for many sites, each below `/sites/{site}`.
     """
@@ -54,6 +56,7 @@ class Contents:
     models: Models = ()
     messages: Callable[[], Document] = dict
     values: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    codes: Sequence[ErrorCode] = ()
     asyncapi: Callable[[Document], Document] | None = None
     many_sites: bool = False
 
@@ -117,6 +120,7 @@ def _add_documents(app: FastAPI, settings: Settings, contents: Contents) -> None
         models=(Problem, *contents.models),
         messages=contents.messages,
         values=contents.values,
+        codes=[*CORE, *contents.codes],
     )
     if (make := contents.asyncapi) is not None:
         serve_document(app, "/asyncapi.json", lambda: make(app.openapi()))

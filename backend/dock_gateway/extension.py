@@ -18,6 +18,7 @@ from fastapi import APIRouter
 from prometheus_client import Metric
 from pydantic import BaseModel
 
+from dock_gateway.core.error_codes import ErrorCode
 from dock_gateway.core.event import utc_now
 from dock_gateway.extension_list import OURS, PACKAGE, find_entry_point, further_names
 from dock_gateway.fleet import alert_kinds
@@ -52,6 +53,7 @@ class Extension:
         includes: Topics of events that streams can ask for with `include`.
         events: The models of these events.
         alerts: The kinds of alerts that it adds.
+        errors: The error codes that it adds.
         limits: Returns what users share of it, by name.
         metrics: Returns the metrics of its part, also of None.
         card: A file with an ES module that defines the custom element `NAME-card`, which a robot's page shows. For an
@@ -65,6 +67,7 @@ class Extension:
     includes: Sequence[str] = ()
     events: Sequence[type[BaseModel]] = ()
     alerts: Sequence[AlertKind] = ()
+    errors: Sequence[ErrorCode] = ()
     limits: Callable[[Settings], Mapping[str, Limit]] = field(default=lambda _: {})
     metrics: Callable[[Any], Iterable[Metric]] = field(default=lambda _: ())
     card: Path | None = None
@@ -129,6 +132,11 @@ class Installed:
     def kinds(self) -> list[AlertKind]:
         """The kinds of alerts that they add."""
         return [kind for each in self for kind in each.alerts]
+
+    @property
+    def errors(self) -> list[ErrorCode]:
+        """The error codes that they add."""
+        return [code for each in self for code in each.errors]
 
     def limits(self, settings: Settings) -> dict[str, Limit]:
         """Return what users share of them, by name."""

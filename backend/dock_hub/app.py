@@ -2,6 +2,7 @@
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, nullcontext
+from dataclasses import replace
 
 from fastapi import APIRouter, FastAPI
 
@@ -27,6 +28,7 @@ from dock_gateway.streams.schema import (
 )
 from dock_hub import forwarding, routes, stop_routes
 from dock_hub.assembly import open_hub
+from dock_hub.error_codes import CODES
 from dock_hub.extensions import hub_extensions
 from dock_hub.schema import (
     HubAlertsEvent,
@@ -57,6 +59,7 @@ CONTENTS = Contents(
     "else spans the sites, with names that have the site in front: `/berlin/robot1`.",
     unions=(Union("Event", EVENTS, "A message of an event stream of the hub."),),
     models=(HubStopProblem, HubReleaseProblem),
+    codes=CODES,
     many_sites=True,
 )
 ROUTERS = tuple(
@@ -91,7 +94,8 @@ def create_hub_app(settings: HubSettings | None = None, parts: Parts | None = No
             yield found
 
     routers = (*ROUTERS, *installed.routers(settings), _pages_of_sites(settings), forwarding.router)
-    return build_app(settings, routers, opened, CONTENTS)
+    contents = replace(CONTENTS, codes=[*CONTENTS.codes, *installed.errors])
+    return build_app(settings, routers, opened, contents)
 
 
 def _pages_of_sites(settings: Settings) -> APIRouter:

@@ -94,7 +94,7 @@ class Directory:
         site = self.sites.get(name)
         if site is None:
             if len(self.sites) >= MAX_SITES:
-                return Refusal(code="too_many_sites", detail=f"this hub has {MAX_SITES} sites already")
+                return Refusal(code="limit_reached", detail=f"this hub has {MAX_SITES} sites already")
             site = self.sites[name] = Site(name, since=wall)
         installation = str(hello.installation)
         if site.installation not in (None, installation):

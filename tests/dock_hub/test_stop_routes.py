@@ -143,7 +143,7 @@ def test_everyone_may_stop_every_robot_and_release_what_is_theirs(role: Role) ->
     if role is Role.VIEWER:
         assert (wrong, mine.status_code) == ({"role_required"}, 403)
     else:
-        assert (wrong, mine.status_code) == ({"not_covered"}, 200)
+        assert (wrong, mine.status_code) == ({"not_allowed"}, 200)
         assert hub.site(BERLIN).who[1:] == [("ada", Grant(role, robots=("*",)))]
 
 

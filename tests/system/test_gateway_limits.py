@@ -42,7 +42,7 @@ class Robots:
 
     def refused(self, who: str, method: str, path: str, body: object = None) -> bool:
         answer = self.answer(who, method, path, body)
-        return answer.status_code == 403 and answer.json()["code"] == "not_covered"
+        return answer.status_code == 403 and answer.json()["code"] == "not_allowed"
 
     def unknown(self, who: str, method: str, path: str, goal_id: str, body: object = None) -> bool:
         """Whether a goal is answered like one that there is not."""
@@ -197,7 +197,7 @@ def test_commands_of_a_socket_have_the_same_limits(robots: Robots, goals: dict[s
             socket.send(orjson.dumps({"id": str(number), **command}).decode())
             answer = orjson.loads(socket.recv())
             assert (answer["op"], answer["id"]) == ("error", str(number)), command
-            assert answer["error"]["code"] == "not_covered", command
+            assert answer["error"]["code"] == "not_allowed", command
 
 
 def test_commands_about_another_goal_are_answered_like_those_about_none(robots: Robots, goals: dict[str, str]) -> None:
@@ -350,9 +350,9 @@ def test_actions_and_topics_are_limits_of_their_own(robots: Robots) -> None:
         assert hidden.value.response.status_code == 403
     robots.ask(robots.admin, "POST", f"/goals/{goal_id}/cancel")
     answer = robots.answer(robots.undocker, "POST", f"/undock?robot={ONE}")
-    assert answer.json()["code"] != "not_covered"  # there is no undocking server, but it was let through
+    assert answer.json()["code"] != "not_allowed"  # there is no undocking server, but it was let through
     with stream(robots.gateway, "/ws", robots.undocker) as socket:
-        for verb, code in (("dock", "not_covered"), ("undock", answer.json()["code"])):
+        for verb, code in (("dock", "not_allowed"), ("undock", answer.json()["code"])):
             socket.send(orjson.dumps({"op": "send_goal", "id": verb, "verb": verb, "robot": ONE}).decode())
             assert orjson.loads(socket.recv())["error"]["code"] == code
     with stream(robots.gateway, f"/ws/topics?topic={TWO}/battery_status", robots.reporter) as socket:

@@ -114,7 +114,7 @@ def test_parts_of_actions_and_parameters_are_not_called_whatever_the_settings_sa
     open_gateway: RunningGateway,
 ) -> None:
     path = "/services/robot1/base"
-    assert refusal(open_gateway, "POST", f"{path}/set_parameters", {}) == (403, "use_the_parameters")
+    assert refusal(open_gateway, "POST", f"{path}/set_parameters", {}) == (403, "use_other_request")
     status, answer = answered(open_gateway, "POST", f"{path}/list_parameters", {})
     assert (status, "speed" in answer["response"]["result"]["names"]) == (200, True)
 
@@ -273,10 +273,10 @@ def test_nothing_reaches_a_stopped_robot(open_gateway: RunningGateway, node: Pro
 
 
 def test_stops_and_actions_cannot_be_faked_whatever_the_settings_say(open_gateway: RunningGateway) -> None:
-    assert refusal(open_gateway, "POST", "/topics/stop_latched", {"data": False}) == (403, "use_the_stop")
-    assert refusal(open_gateway, "POST", "/topics/robot1/stop_latched", {}) == (403, "use_the_stop")
+    assert refusal(open_gateway, "POST", "/topics/stop_latched", {"data": False}) == (403, "use_other_request")
+    assert refusal(open_gateway, "POST", "/topics/robot1/stop_latched", {}) == (403, "use_other_request")
     path = "/topics/connect_to_charging_dock/_action/status"
-    assert refusal(open_gateway, "POST", path, {}) == (403, "use_the_action")
+    assert refusal(open_gateway, "POST", path, {}) == (403, "use_other_request")
 
 
 @needs("audit_log")
@@ -289,7 +289,7 @@ def test_by_default_there_is_only_reading(domain: int, node: Process) -> None:
             ("PATCH", "/nodes/robot1/base/parameters", "--allow-parameters '/robot1/base'"),
         ):
             status, problem = answered(gateway, method, path, {"data": True})
-            assert (status, problem["code"]) == (403, "not_listed"), path
+            assert (status, problem["code"]) == (403, "not_allowed"), path
             assert option in problem["detail"]
             assert problem["settings"]
         assert answered(gateway, "GET", "/services/robot1/echo")[1]["call"]["allowed"] is False

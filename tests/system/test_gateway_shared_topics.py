@@ -43,13 +43,13 @@ def gateway(shared_domain: int, site: Site, root: dict[str, str], everyone: dict
 def test_it_is_not_read(gateway: RunningGateway, topic: str, root: dict[str, str], everyone: dict[str, str]) -> None:
     for path in (f"/topics{topic}", f"/graph/topics{topic}"):
         assert gateway.http.get(path, headers=everyone).status_code == 200
-        assert gateway.http.get(path, headers=root).json()["code"] == "not_covered"
-    assert gateway.http.post(f"/topics{topic}", json={}, headers=root).json()["code"] == "not_covered"
+        assert gateway.http.get(path, headers=root).json()["code"] == "not_allowed"
+    assert gateway.http.post(f"/topics{topic}", json={}, headers=root).json()["code"] == "not_allowed"
 
     url = f"{gateway.url.replace('http', 'ws')}/ws/topics?topic={topic}"
     with pytest.raises(InvalidStatus) as refused:
         connect(url, additional_headers=root)
-    assert orjson.loads(refused.value.response.body or b"")["code"] == "not_covered"
+    assert orjson.loads(refused.value.response.body or b"")["code"] == "not_allowed"
 
     for door in doors():
         if door.reads is not None:

@@ -37,7 +37,7 @@ async def authorize(connection: HTTPConnection) -> None:
     Raises:
         NotAuthenticated: The request needs a login, and has none that is valid.
         NotAllowed: Their role does not suffice (`role_required`), or it is about something beyond their limits
-            (`not_covered`).
+            (`not_allowed`).
         ServedElsewhere: It is about a robot that another gateway serves.
         TooManyRequests: They have sent too many goals in the last minute (`too_many_goals`).
         MalformedRequest: The body is too large, too slow or cut off.
@@ -75,7 +75,7 @@ async def identify(connection: HTTPConnection) -> Principal:
 
     Raises:
         NotAuthenticated: The request needs a login, and has none that is valid.
-        NotAllowed: It has an access token of the identity provider that gives no role (`no_role`).
+        NotAllowed: It has an access token of the identity provider that gives no role (`role_required`).
         Unavailable: It has one, and the provider has not answered yet (`provider_unavailable`).
     """
     principal = await _identify(connection)
@@ -155,7 +155,8 @@ def require(principal: Principal, role: Role | None, what: str) -> None:
     """
     own = principal.grant.role
     if role is not None and not own.includes(role):
-        raise NotAllowed(f"{what} needs the role {role}; {principal.name} is {own}", code="role_required")
+        detail = f"{what} needs the role {role}; {principal.name} is {own}"
+        raise NotAllowed(detail, code="role_required", role=role)
 
 
 @contextmanager

@@ -47,7 +47,7 @@ class LoginSource(Protocol):
 
         Raises:
             NotAuthenticated: It is not valid (`invalid_token`).
-            NotAllowed: They have no role (`no_role`).
+            NotAllowed: They have no role (`role_required`).
         """
 
     def is_valid(self, principal: Principal) -> bool:

@@ -126,7 +126,7 @@ class Logins:
 
         Raises:
             NotAuthenticated: There is no secret, or no valid token or session with it (`invalid_token`).
-            NotAllowed: A source knows them, and they have no role (`no_role`).
+            NotAllowed: A source knows them, and they have no role (`role_required`).
         """
         if secret is None:
             raise NotAuthenticated("this gateway asks for a login: log in, or send `Authorization: Bearer dgw_…`")
@@ -197,7 +197,7 @@ class Logins:
         """Create a token; return it as the API shows it, and its secret, which is not stored.
 
         Raises:
-            Conflict: There are too many (`too_many_tokens`), or a token (`token_exists`) or a user (`user_exists`) has
+            Conflict: There are too many (`limit_reached`), or a token (`token_exists`) or a user (`user_exists`) has
                 this name, by which records name them.
             Unavailable: The history does not answer (`history_unavailable`); there is no new token.
         """
@@ -342,7 +342,7 @@ class Logins:
         """Add a user; return them as the API shows them.
 
         Raises:
-            Conflict: There are too many (`too_many_users`), or a user (`user_exists`) or a token (`token_exists`) has
+            Conflict: There are too many (`limit_reached`), or a user (`user_exists`) or a token (`token_exists`) has
                 this name, by which records name them.
             Unavailable: The history does not answer (`history_unavailable`); there is no new user.
         """

@@ -31,7 +31,7 @@ async def require_covered(parts: Parts, grant: Grant, scope: Scope, names: Names
     """Refuse a request or a command that is about robots, actions or topics beyond a grant.
 
     Raises:
-        NotAllowed: It is (`not_covered`).
+        NotAllowed: It is (`not_allowed`).
         InvalidField: A name is not valid.
         NotFound: There is no such goal or alert, or it is beyond the grant, which is the same to who asks.
         ServedElsewhere: It is about a robot that another gateway serves.
@@ -47,7 +47,7 @@ async def require_covered(parts: Parts, grant: Grant, scope: Scope, names: Names
 async def _require_granted(parts: Parts, grant: Grant, subject: Subject, what: str) -> None:
     match subject.scope:
         case Scope.EVERY:
-            raise NotAllowed(f"{what} is about every robot, and your access is limited", code="not_covered")
+            raise NotAllowed(f"{what} is about every robot, and your access is limited", code="not_allowed")
         case Scope.ALERT:
             parts[Alerts].get(subject.identity, grant)
         case Scope.APPROVAL:

@@ -93,7 +93,7 @@ class Tokens(Credentials[Token]):
             dependency: Entries of another kind that are checked in the same transaction.
 
         Raises:
-            Conflict: There are too many (`too_many_tokens`), or one has this name (`token_exists`).
+            Conflict: There are too many (`limit_reached`), or one has this name (`token_exists`).
             Unavailable: The history does not answer (`history_unavailable`); there is no new token.
         """
         secret, digest = new_secret(PREFIX)

@@ -49,7 +49,7 @@ class Users:
 
         Raises:
             NotAuthenticated: The login of who changes them has ended meanwhile (`invalid_token`).
-            Conflict: There are too many (`too_many_users`), or others change the user all the time (`user_changed`).
+            Conflict: There are too many (`limit_reached`), or others change the user all the time (`user_changed`).
             Unavailable: The history does not answer (`history_unavailable`); nothing has changed.
         """
         async with self._changing:

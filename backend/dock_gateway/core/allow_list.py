@@ -29,12 +29,12 @@ class AllowList:
         """Refuse what it does not name.
 
         Raises:
-            NotAllowed: `not_listed`; the sentence and `settings` say what would allow it.
+            NotAllowed: `not_allowed`; the sentence and `settings` say what would allow it.
         """
         if not self.covers(name):
             option = f"--{self._setting.replace('_', '-')} '{name}'"
             raise NotAllowed(
                 f"{self._refused} {name[:200]}: start it with {option} to allow that",
-                code="not_listed",
+                code="not_allowed",
                 settings=[f"DOCK_GATEWAY_{self._setting.upper()}={name}"],
             )

@@ -1,19 +1,4 @@
-"""All refusals and failures, each with a stable `code`.
-
-GatewayError
-├── MalformedRequest            400 malformed_json, tls_required, 408 request_timeout, 413 body_too_large,
-│                               415 unsupported_media_type, 426 upgrade_required, 431 header_too_large
-├── InvalidField                422 invalid_field
-├── NotAuthenticated            401 not_authenticated, invalid_token, invalid_login, login_failed
-├── NotAllowed                  403 origin_not_allowed, host_not_allowed, role_required, no_role, not_listed, …
-├── NotFound                    404 goal_not_found, action_not_found, interface_not_found, topic_not_found, …
-├── Conflict                    409 goal_rejected, dock_busy, goal_terminal, cancel_rejected, stop_latched, …
-├── ServedElsewhere             421 served_elsewhere
-├── TooManyRequests             429 too_many_requests, too_many_logins
-├── NotInstalled                501 interface_not_installed, calibration_unavailable, extension_failed
-├── Unavailable                 503 action_server_unavailable, ros_unavailable, history_unavailable, shutting_down,
-│                               too_many_connections, provider_unavailable, stop_not_persisted (as a warning)
-└── ServerTimeout               504 action_server_timeout, service_timeout, parameters_timeout
+"""All refusals and failures, each with a stable `code`: core/error_codes.py has them with their statuses.
 
 The core raises these; `http/problems.py` turns them into problem+json, streams into a denial with the same body.
 """
@@ -132,9 +117,14 @@ class NotAllowed(GatewayError):
     code = "origin_not_allowed"
 
 
+def use_other_request(detail: str, use: str) -> NotAllowed:
+    """Return the error that something is done by another request; `use` is its method and its path."""
+    return NotAllowed(f"{detail}: use {use}", code="use_other_request", use=use)
+
+
 def not_covered(about: str) -> NotAllowed:
     """Return the error that something lies beyond a grant."""
-    return NotAllowed(f"your access does not include {about}", code="not_covered")
+    return NotAllowed(f"your access does not include {about}", code="not_allowed")
 
 
 class NotFound(GatewayError):
@@ -149,6 +139,11 @@ class Conflict(GatewayError):
 
     status = HTTPStatus.CONFLICT
     code = "goal_rejected"
+
+
+def limit_reached(limit: int, what: str) -> Conflict:
+    """Return the error that no more can be stored: `limit` is how many of `what` (a plural) there may be."""
+    return Conflict(f"there are {limit} {what}; remove one first", code="limit_reached", limit=limit)
 
 
 class ServedElsewhere(GatewayError):

@@ -132,7 +132,7 @@ class Grant:
         """Refuse an action that is not covered.
 
         Raises:
-            NotAllowed: It is not (`not_covered`).
+            NotAllowed: It is not (`not_allowed`).
         """
         if not self.covers_action(name):
             raise not_covered(f"the action {name[:100]}")

@@ -18,7 +18,7 @@ from concurrent.futures import ThreadPoolExecutor
 from threading import Lock, Timer
 from typing import IO, ParamSpec, TypeVar
 
-from dock_gateway.core.errors import Unavailable
+from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.core.request import hold
 
 P = ParamSpec("P")
@@ -162,12 +162,12 @@ class Lane:
         """Return what a function returns. It is Python code, which lets other threads run at any time.
 
         Raises:
-            TooManyRequests: Too many of the user wait, or of all users together.
-            Unavailable: `too_much_input`: too many are waiting, with those of the gateway itself.
+            TooManyRequests: Too many of the user wait, or of all users together; or too many are waiting, with those
+                of the gateway itself (`too_much_input`).
             Exception: What the function raises.
         """
         if self._waiting >= MOST_WAITING:
-            raise Unavailable("too many large messages wait to be read: try again", code="too_much_input")
+            raise TooManyRequests("too many large messages wait to be read: try again", code="too_much_input")
         thread = self._thread = self._thread or ThreadPoolExecutor(1, "lane")
 
         def run() -> Result:

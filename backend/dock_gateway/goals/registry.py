@@ -318,7 +318,7 @@ class ActionRegistry:
 
         Raises:
             NotFound: There is no such robot (`robot_not_found`), or it has no such action (`action_not_found`).
-            NotAllowed: The grant does not cover the action (`not_covered`).
+            NotAllowed: The grant does not cover the action (`not_allowed`).
             ServedElsewhere: The robot is not one of this gateway's.
             NotInstalled: It cannot be used; the detail says why.
         """

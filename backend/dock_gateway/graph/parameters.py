@@ -71,7 +71,7 @@ class Parameters:
         """Refuse a node whose parameters may not be set.
 
         Raises:
-            NotAllowed: It is not in the setting (`not_listed`).
+            NotAllowed: It is not in the setting (`not_allowed`).
         """
         self._listed.require(node)
 
@@ -83,7 +83,7 @@ class Parameters:
             grant: What the user may see of the graph.
 
         Raises:
-            NotFound: There is no such node (`node_not_found`), or it has no parameters (`no_parameters`).
+            NotFound: There is no such node (`node_not_found`), or it has no parameters (`parameters_not_found`).
             TooManyRequests: `too_many_calls`.
             ServerTimeout: `parameters_timeout`: it did not answer.
             Unavailable: It has left, or `ros_unavailable`.
@@ -176,7 +176,7 @@ class Parameters:
         known = await self._bridge.call(lambda: node_names(self._bridge.node))
         if node not in known:
             raise not_found("node", node, filter(grant.covers_place, known))
-        raise NotFound(f"the node {node} has no parameters that can be asked for", code="no_parameters")
+        raise NotFound(f"the node {node} has no parameters that can be asked for", code="parameters_not_found")
 
 
 async def _read(port: ParameterPort) -> dict[str, Parameter]:

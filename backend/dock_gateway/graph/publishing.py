@@ -12,7 +12,7 @@ from math import isfinite
 from typing import Any
 
 from dock_gateway.core.allow_list import AllowList
-from dock_gateway.core.errors import FieldError, InvalidField, NotAllowed, Unavailable, got
+from dock_gateway.core.errors import FieldError, InvalidField, Unavailable, got, use_other_request
 from dock_gateway.core.filters import is_under
 from dock_gateway.core.goal import Json
 from dock_gateway.core.grant import UNLIMITED, Grant
@@ -126,15 +126,17 @@ class Publishing:
         """Refuse a topic that may not be published on.
 
         Raises:
-            NotAllowed: It is not in the setting (`not_listed`), or it is a topic of an action or of stops
-                (`use_the_action`, `use_the_stop`), which no setting allows.
+            NotAllowed: It is not in the setting (`not_allowed`), or it is a topic of an action or of stops
+                (`use_other_request`), which no setting allows.
         """
         if ACTION_PART in name:
-            raise NotAllowed(f"{name[:200]} belongs to an action: only its server publishes it", code="use_the_action")
-        if any(name == stop or (stop[0] != "/" and name.endswith(f"/{stop}")) for stop in self._stop_topics):
-            raise NotAllowed(
-                f"{name[:200]} tells whether a robot is stopped: use POST /stop and DELETE /stop", code="use_the_stop"
+            action = name.partition(ACTION_PART)[0]
+            raise use_other_request(
+                f"{name[:200]} belongs to an action, and only its server publishes it",
+                f"POST /actions{action[:200]}/goals",
             )
+        if any(name == stop or (stop[0] != "/" and name.endswith(f"/{stop}")) for stop in self._stop_topics):
+            raise use_other_request(f"{name[:200]} tells whether a robot is stopped", "POST /stop")
         self._listed.require(name)
 
     @property

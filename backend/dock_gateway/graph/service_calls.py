@@ -13,7 +13,7 @@ from http import HTTPStatus
 from typing import Any
 
 from dock_gateway.core.allow_list import AllowList
-from dock_gateway.core.errors import GatewayError, NotAllowed, ServerTimeout
+from dock_gateway.core.errors import GatewayError, ServerTimeout, use_other_request
 from dock_gateway.core.goal import Json
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.graph import ACTION_PART
@@ -124,22 +124,17 @@ class ServiceCalls:
         """Refuse a service that may not be called.
 
         Raises:
-            NotAllowed: It is not in the setting (`not_listed`), or is called in another way (`use_the_action`,
-                `use_the_parameters`).
+            NotAllowed: It is not in the setting (`not_allowed`), or is called in another way (`use_other_request`).
         """
         if ACTION_PART in service.name:
             action = service.name.partition(ACTION_PART)[0]
-            raise NotAllowed(
-                f"{service.name[:200]} is a part of the action {action[:200]}: send it a goal "
-                f"(POST /actions{action[:200]}/goals), so that a stop holds and the goal is known",
-                code="use_the_action",
+            raise use_other_request(
+                f"{service.name[:200]} is a part of the action {action[:200]}, whose goals a stop must find",
+                f"POST /actions{action[:200]}/goals",
             )
         if not SETTING.isdisjoint(service.types):
             node = service.name.rpartition("/")[0]
-            raise NotAllowed(
-                f"{service.name[:200]} sets parameters: use PATCH /nodes{node[:200]}/parameters",
-                code="use_the_parameters",
-            )
+            raise use_other_request(f"{service.name[:200]} sets parameters", f"PATCH /nodes{node[:200]}/parameters")
         if not service.reads:
             self._listed.require(service.name)
 

@@ -12,6 +12,7 @@ from fastapi.routing import iter_route_contexts
 from pydantic import BaseModel
 from pydantic.json_schema import JsonSchemaMode, models_json_schema
 
+from dock_gateway.core.error_codes import ErrorCode
 from dock_gateway.http.operation import Operation, Scope, find_operation
 
 SECURITY_SCHEMES = {
@@ -56,6 +57,7 @@ def install_openapi(
     models: Models,
     messages: Callable[[], dict[str, Any]] = dict,
     values: Mapping[str, Sequence[str]] = NO_VALUES,
+    codes: Sequence[ErrorCode] = (),
 ) -> None:
     """Make the app serve its OpenAPI document with our schemas in it.
 
@@ -66,6 +68,7 @@ def install_openapi(
         models: Further models that no route names.
         messages: Returns the schemas of ROS messages, by name.
         values: Further values of enumerations, by the name of the component.
+        codes: All error codes: `x-codes` of the schema `Problem`.
     """
     components = [*unions]
 
@@ -74,6 +77,7 @@ def install_openapi(
             document = _build(app, components, models, messages, authentication=authentication)
             for name, further in values.items():
                 document["components"]["schemas"][name]["enum"] += further
+            document["components"]["schemas"]["Problem"]["x-codes"] = [code.document() for code in codes]
             app.openapi_schema = document
         return app.openapi_schema
 

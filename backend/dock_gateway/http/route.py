@@ -55,7 +55,7 @@ def documented_errors(operation: Operation, *, has_body: bool) -> set[int]:
     if not operation.any_query:
         found.add(422)
     if has_body and not operation.reads_body:
-        found |= {400, 408, 413, 415, 422}
+        found |= {400, 408, 413, 415, 422, 429}
     if operation.scope in NAMED:
         found.add(404)
     if operation.scope in ABOUT_ROBOTS:

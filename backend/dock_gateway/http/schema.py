@@ -5,6 +5,7 @@ from typing import Annotated, Self
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from dock_gateway.core.errors import Place
+from dock_gateway.core.grant import Role
 from dock_gateway.http.bodies import GroupName, RobotName, Unique, expected
 
 MAX_ROBOTS, MAX_GROUPS = 500, 20
@@ -53,6 +54,9 @@ class Problem(BaseModel):
     `gateway` is the one that serves the robot, if this one does not and it is known.
 
     `retry_after` is the number of seconds in the header `Retry-After`, after failed logins.
+
+    `limit` is how many there may be of what is stored, `use` the request to send instead, such as `POST /stop`, and
+    `role` the one that suffices.
     """
 
     model_config = ConfigDict(extra="forbid")
@@ -65,6 +69,9 @@ class Problem(BaseModel):
     errors: list[FieldProblem] | None = None
     goal_id: str | None = None
     retry_after: int | None = None
+    limit: int | None = None
+    use: str | None = None
+    role: Role | None = None
     robots: list[str] | None = None
     settings: list[str] | None = None
     gateway: GatewayAddress | None = None

@@ -24,7 +24,7 @@ async def list_robots(parts: Parts, principal: Principal, robot: str | None = No
     """List the robots that were found: their state, battery, goals and stop; with `robot`, only that one.
 
     Raises:
-        NotAllowed: The grant does not cover the robot (`not_covered`).
+        NotAllowed: The grant does not cover the robot (`not_allowed`).
         NotFound: There is no such robot.
     """
     if robot is not None and not principal.grant.own.covers_robot(name := read_namespace(robot)):

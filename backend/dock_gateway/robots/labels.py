@@ -6,7 +6,7 @@ import unicodedata
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 
-from dock_gateway.core.errors import Conflict
+from dock_gateway.core.errors import Conflict, limit_reached
 from dock_gateway.core.namespace import normalize_namespace
 from dock_gateway.core.tasks import cancel
 from dock_gateway.storage import Entries
@@ -72,7 +72,7 @@ class Labels:
 
         Raises:
             Conflict: The display name belongs to another robot (`display_name_taken`), or there are too many labels
-                (`too_many_labels`).
+                (`limit_reached`).
             Unavailable: The history does not answer (`history_unavailable`); the label is what it was.
         """
         known = frozenset(self._robots())
@@ -80,7 +80,7 @@ class Labels:
         def check(labels: Mapping[str, RobotLabel]) -> None:
             others = {name: other for name, other in labels.items() if name != robot}
             if label != NO_LABEL and len(others) >= self._most:
-                raise Conflict(f"there are {self._most} labels; remove one first", code="too_many_labels")
+                raise limit_reached(self._most, "labels")
             if label.display_name is not None:
                 _require_free(label.display_name, others, (known | others.keys()) - {robot})
 

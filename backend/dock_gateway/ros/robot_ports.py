@@ -12,6 +12,7 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from sensor_msgs.msg import BatteryState
 
 from dock_gateway.core.battery import BOUNDS, CELL_BOUNDS, infinities
+from dock_gateway.core.error_codes import code_of_server
 from dock_gateway.core.errors import Conflict
 from dock_gateway.core.goal import GoalError, Json
 from dock_gateway.ros.listener import Handler
@@ -144,7 +145,7 @@ def _read_error(values: dict[str, str], message: str) -> GoalError | None:
     code = values.get("error_code")
     if not code or code in ("0", "NONE") or values.get("stage") not in (None, "ABORTED", "REJECTED"):
         return None
-    return GoalError(code.lower(), values.get("error_msg") or message)
+    return GoalError(code_of_server(code), values.get("error_msg") or message)
 
 
 def _read_progress(values: dict[str, str]) -> tuple[str | None, int | None]:

@@ -6,7 +6,7 @@ from datetime import datetime
 
 import sqlalchemy as sa
 
-from dock_gateway.core.errors import Conflict, NotFound
+from dock_gateway.core.errors import NotFound, limit_reached
 from dock_gateway.storage.immediate import ImmediateWriter
 from dock_gateway.storage.reader import Reader
 from dock_gateway.storage.tables import goal_notes, goal_tags, goals
@@ -64,7 +64,7 @@ class Notes:
         """Store a note; return what the goal has then.
 
         Raises:
-            Conflict: The goal has too many notes (`too_many_notes`).
+            Conflict: The goal has too many notes (`limit_reached`).
         """
         return await self._writer.write(_add, goal_id, note)
 
@@ -137,7 +137,7 @@ def _lock(connection: sa.Connection, goal_id: str) -> None:
 
 def _require_room(notes: int) -> None:
     if notes >= MAX_NOTES:
-        raise Conflict(f"the goal has {MAX_NOTES} notes; delete one first", code="too_many_notes")
+        raise limit_reached(MAX_NOTES, "notes of this goal")
 
 
 def _require_removed(removed: int, note_id: str) -> None:

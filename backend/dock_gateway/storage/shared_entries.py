@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Generic
 
-from dock_gateway.core.errors import Conflict, NotFound, Unavailable
+from dock_gateway.core.errors import NotFound, Unavailable, limit_reached
 from dock_gateway.storage.entries import Dependency, Entries, EntryT
 
 # Seconds between two reads of other gateways' changes.
@@ -148,14 +148,13 @@ class SharedBook(SharedEntries[EntryT]):
             dependency: Entries of another kind that are checked in the same transaction.
 
         Raises:
-            Conflict: There are too many (`too_many_rules`, `too_many_webhooks`).
+            Conflict: There are too many (`limit_reached`).
             Unavailable: The history does not answer (`history_unavailable`); the entry is what it was.
         """
 
         def check(entries: Mapping[str, EntryT]) -> None:
             if key not in entries and len(entries) >= self._most:
-                detail = f"there are {self._most} {self._noun}s; remove one first"
-                raise Conflict(detail, code=f"too_many_{self._noun}s")
+                raise limit_reached(self._most, f"{self._noun}s")
             allow(entries)
 
         await self.store(key, entry, check, dependency)

@@ -110,7 +110,7 @@ async def read_event_filter(parts: Parts, query: Mapping[str, str], grant: Grant
     Raises:
         InvalidField: A value is invalid.
         NotFound: There is no such goal or robot, or the grant does not cover the goal.
-        NotAllowed: The grant does not cover the robot (`not_covered`).
+        NotAllowed: The grant does not cover the robot (`not_allowed`).
         ServedElsewhere: Another gateway serves the robot.
     """
     robot, action, goal_id = query.get("robot"), query.get("action"), query.get("goal_id")

@@ -82,6 +82,10 @@ const WORDS: Record<string, ErrorWords> = {
     advice: "Log in again. A token may be mistyped, revoked or expired: ask an admin for another one.",
   },
   invalid_field: { title: "A value is not valid", advice: null },
+  limit_reached: {
+    title: "There is no room for another one",
+    advice: "Remove one that is no longer in use. For labels: clear the name and groups of such robots.",
+  },
   last_admin: {
     title: "This is the last admin",
     advice: "Add another admin first.",
@@ -143,10 +147,6 @@ const WORDS: Record<string, ErrorWords> = {
     advice: "Choose a different name, or revoke that token first.",
   },
   token_not_found: { title: "The token does not exist any more", advice: null },
-  too_many_labels: {
-    title: "Too many robots have a name or groups",
-    advice: "Clear the name and groups of robots that are no longer in use.",
-  },
   too_many_requests: {
     title: "The gateway is too busy",
     advice: "Too many goals wait for an answer. Try again in some seconds.",

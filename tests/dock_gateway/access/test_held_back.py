@@ -88,7 +88,7 @@ async def test_what_changes_while_a_body_comes(change: Change, answer: tuple[int
 
 async def test_a_limit_that_was_set_while_a_body_came() -> None:
     site = await Site().open()
-    assert await site.ask("POST", "/actions/{name:graph_name}/goals", meanwhile=limit) == (403, "not_covered")
+    assert await site.ask("POST", "/actions/{name:graph_name}/goals", meanwhile=limit) == (403, "not_allowed")
 
 
 async def test_a_role_that_still_suffices() -> None:

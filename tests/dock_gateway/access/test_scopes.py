@@ -85,7 +85,7 @@ def refused(parts: Parts, grant: Grant, scope: Scope, names: dict[str, Any]) -> 
     try:
         asyncio.run(require_covered(parts, grant, scope, names, "it"))
     except NotAllowed as error:
-        return error.code == "not_covered"
+        return error.code == "not_allowed"
     return False
 
 
@@ -113,7 +113,7 @@ def test_every_route_about_another_robot_is_refused(limits: dict[str, tuple[str,
             elif scope is Scope.ALERT:
                 assert (answer.status_code, answer.json()["code"]) == (404, "alert_not_found"), what
             else:
-                assert answer.json()["code"] == "not_covered", what
+                assert answer.json()["code"] == "not_allowed", what
 
 
 ROBOT1 = Grant(Role.SUPERVISOR, robots=("/robot1",))

@@ -152,5 +152,5 @@ async def test_names_are_used_once_and_tokens_are_limited(site: Site) -> None:
     await tokens.create("bob", Grant(Role.VIEWER))
     with pytest.raises(Conflict) as full:
         await tokens.create("eve", Grant(Role.VIEWER))
-    assert full.value.code == "too_many_tokens"
+    assert full.value.code == "limit_reached"
     assert [token["name"] for token in await tokens.documents()] == ["ada", "bob"]

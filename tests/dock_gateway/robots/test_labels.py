@@ -100,7 +100,7 @@ async def test_there_are_not_endlessly_many(site: Site) -> None:
     await labels.replace("/robot1", LEFT)
     with pytest.raises(Conflict) as refused:
         await labels.replace("/robot2", RobotLabel("Right forklift", ()))
-    assert refused.value.code == "too_many_labels"
+    assert refused.value.code == "limit_reached"
     await labels.replace("/robot2", NO_LABEL)
     await labels.replace("/robot1", RobotLabel("Right forklift", ()))
     await labels.replace("/robot1", NO_LABEL)

@@ -57,7 +57,7 @@ async def test_a_goal_has_room_for_a_hundred_notes(place: str, tmp_path: Path) -
             await history.notes.add("goal-0001", note(number))
         with pytest.raises(Conflict) as refused:
             await history.notes.add("goal-0001", note(MAX_NOTES))
-        assert refused.value.code == "too_many_notes"
+        assert refused.value.code == "limit_reached"
         await history.notes.add("goal-0002", note(MAX_NOTES))
         assert len((await history.notes.of("goal-0001")).notes) == MAX_NOTES
 

@@ -111,7 +111,7 @@ def test_what_is_no_id(client: Client, rule_id: str) -> None:
 def test_there_is_a_limit(client: Client) -> None:
     for rule_id in ("a", "b"):
         client.put(BATTERY, rule_id=rule_id)
-    assert client.put(BATTERY, 409, "c")["code"] == "too_many_rules"
+    assert client.put(BATTERY, 409, "c")["code"] == "limit_reached"
     client.put(NIGHT, rule_id="b")
 
 

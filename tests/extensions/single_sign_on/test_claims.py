@@ -47,7 +47,7 @@ def test_roles(claims: dict[str, Any], role: Role | None) -> None:
         return
     with pytest.raises(NotAllowed) as refused:
         rules().grant_of(claims)
-    assert refused.value.code == "no_role"
+    assert refused.value.code == "role_required"
 
 
 @given(st.dictionaries(st.sampled_from(["sub", "role", "groups", "roles"]), JSON))
@@ -87,7 +87,7 @@ def test_a_limit_that_is_not_valid_lets_nobody_in(robots: Any) -> None:
     for claims in ({"roles": "ops", "robots": robots}, {"roles": "ops"}):
         with pytest.raises(NotAllowed) as refused:
             limited.grant_of(claims)
-        assert refused.value.code == "no_role"
+        assert refused.value.code == "role_required"
 
 
 @given(st.text(min_size=1, max_size=100))

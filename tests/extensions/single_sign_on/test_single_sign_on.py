@@ -243,7 +243,7 @@ async def test_who_has_no_role_does_not_get_in(logins: Logins, fake: FakeProvide
     address, attempt = await begin(logins)
     with pytest.raises(GatewayError) as error:
         await provider_of(logins).log_in(attempt, fake.authorize(address), REDIRECT, HOME, noted.append)
-    assert (error.value.code, noted) == ("no_role", ["oidc:ada (4711)"])
+    assert (error.value.code, noted) == ("role_required", ["oidc:ada (4711)"])
     assert not provider_of(logins).people.count()
 
 
@@ -446,7 +446,7 @@ async def test_access_tokens_that_are_refused(logins: Logins, fake: FakeProvider
         {"sub": None, "preferred_username": None},
     ):
         assert await refusal(logins, fake.access_token(**changes)) == "invalid_token"
-    assert await refusal(logins, fake.access_token(roles=None)) == "no_role"
+    assert await refusal(logins, fake.access_token(roles=None)) == "role_required"
     assert (
         await refusal(logins, sign(rsa_key("first"), {"iss": ISSUER, "aud": AUDIENCE, "exp": 9e9})) == "invalid_token"
     )

@@ -242,7 +242,7 @@ def test_odd_values_are_refused_or_harmless(odd: dict[str, str], kind: str | Non
     try:
         principal = SSO.identify(token)
     except GatewayError as error:
-        assert error.code in ("invalid_token", "no_role")  # noqa: PT017 - any other error fails the test
+        assert error.code in ("invalid_token", "role_required")  # noqa: PT017 - any other error fails the test
         return
     assert text["iss"] == json.dumps(ISSUER)
     assert text["aud"] == json.dumps(AUDIENCE)

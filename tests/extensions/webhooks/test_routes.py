@@ -85,7 +85,7 @@ def test_a_secret_may_be_given(client: Client) -> None:
 def test_there_is_a_limit(client: Client) -> None:
     for webhook_id in ("a", "b"):
         client.put(HOOK, webhook_id=webhook_id)
-    assert client.put(HOOK, 409, "c")["code"] == "too_many_webhooks"
+    assert client.put(HOOK, 409, "c")["code"] == "limit_reached"
     client.put(HOOK | {"name": "Other"}, webhook_id="b")
 
 

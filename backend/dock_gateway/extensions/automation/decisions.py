@@ -52,7 +52,7 @@ class DecisionLog(SharedEntries[Decision]):
         """Store a decision before it is carried out.
 
         Raises:
-            Conflict: `already_decided`: another gateway was first.
+            Conflict: Another gateway was first.
             Unavailable: The history does not answer (`history_unavailable`); nothing is to be done.
         """
         await self.store(identity, decision, lambda stored: require_free(decision, stored))

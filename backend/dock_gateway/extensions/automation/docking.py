@@ -118,7 +118,7 @@ class AutomaticDocking:
         """Store a rule, new or changed, and return it. It starts from the beginning with each robot.
 
         Raises:
-            Conflict: `too_many_rules`.
+            Conflict: `limit_reached`.
             Unavailable: The history does not answer (`history_unavailable`); the rule is what it was.
         """
         await self._rules.replace(rule_id, rule)

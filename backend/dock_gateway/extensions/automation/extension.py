@@ -10,6 +10,7 @@ from dock_gateway.extensions.automation.activity import Activity
 from dock_gateway.extensions.automation.decision import Decision
 from dock_gateway.extensions.automation.decisions import DecisionLog
 from dock_gateway.extensions.automation.docking import MAX_RULES, AutomaticDocking
+from dock_gateway.extensions.automation.error_codes import CODES
 from dock_gateway.extensions.automation.routes import router
 from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.extensions.automation.schema import AutomationEvent
@@ -93,5 +94,10 @@ def _alert(decision: Decision) -> Alert:
 
 
 extension = Extension(
-    "automation", open_automation, routes=lambda _: (router,), events=(AutomationEvent,), alerts=(GAVE_UP,)
+    "automation",
+    open_automation,
+    routes=lambda _: (router,),
+    events=(AutomationEvent,),
+    alerts=(GAVE_UP,),
+    errors=CODES,
 )

@@ -53,7 +53,7 @@ def require_free(decision: Decision, stored: Mapping[str, Decision]) -> None:
     """Check a decision against those that all gateways have stored.
 
     Raises:
-        Conflict: `already_decided`: another gateway was first.
+        Conflict: Another gateway was first.
     """
     past, key = Past(stored), (decision.rule_id, decision.robot)
     if decision.scheduled_for is not None:
@@ -65,4 +65,4 @@ def require_free(decision: Decision, stored: Mapping[str, Decision]) -> None:
     if decision.outcome is DecisionOutcome.SENDING:
         taken = taken or past.is_recent(decision.robot, decision.at)
     if taken:
-        raise Conflict("another gateway has decided already", code="already_decided")
+        raise Conflict("another gateway has decided already")

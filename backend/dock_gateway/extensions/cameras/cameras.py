@@ -3,8 +3,9 @@
 import asyncio
 from collections.abc import AsyncGenerator, AsyncIterator
 from contextlib import asynccontextmanager
+from http import HTTPStatus
 
-from dock_gateway.core.errors import NotFound, Unavailable, not_covered
+from dock_gateway.core.errors import GatewayError, NotFound, Unavailable, not_covered
 from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.request import hold
@@ -76,7 +77,7 @@ class Cameras:
         """Return a camera of a robot.
 
         Raises:
-            NotAllowed: The grant does not include it (`not_covered`).
+            NotAllowed: The grant does not include it (`not_allowed`).
             NotFound: The robot has none of this name (`camera_not_found`), or there is no such robot.
             Unavailable: `ros_unavailable`, when the ROS thread is down.
         """
@@ -114,7 +115,8 @@ class Cameras:
 
         Raises:
             TooManyRequests: The user watches too many cameras, or all users together.
-            Unavailable: No picture has come (`no_picture`), or none that can be shown (`unreadable_picture`).
+            Unavailable: No picture has come (`picture_unavailable`).
+            GatewayError: None has come that can be shown (`unreadable_picture`).
         """
         width = min(max_width or self._settings.camera_max_width, self._settings.camera_max_width)
         rate = min(max_rate or self._settings.camera_max_rate, self._settings.camera_max_rate)
@@ -170,8 +172,9 @@ class Cameras:
         await self._leaving.close()
 
 
-def _nothing_to_show(watch: Watch, waited: float) -> Unavailable:
+def _nothing_to_show(watch: Watch, waited: float) -> GatewayError:
     if watch.hint is not None:
-        return Unavailable(f"{watch.forms.topic} cannot be shown: {watch.hint}", code="unreadable_picture")
+        detail = f"{watch.forms.topic} cannot be shown: {watch.hint}"
+        return GatewayError(detail, code="unreadable_picture", status=HTTPStatus.BAD_GATEWAY)
     topics = " or ".join(watch.camera.topics)
-    return Unavailable(f"no picture has come on {topics} within {waited:g} s", code="no_picture")
+    return Unavailable(f"no picture has come on {topics} within {waited:g} s", code="picture_unavailable")

@@ -7,6 +7,7 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.tasks import closing
 from dock_gateway.extension import Extension
 from dock_gateway.extensions.cameras.cameras import Cameras
+from dock_gateway.extensions.cameras.error_codes import CODES
 from dock_gateway.extensions.cameras.routes import router
 from dock_gateway.extensions.cameras.settings import CameraSettings
 from dock_gateway.graph.cache import GraphCache
@@ -32,4 +33,5 @@ extension = Extension(
     settings=CameraSettings,
     routes=lambda _: (router,),
     limits=lambda _: {"cameras": Limit("cameras being watched", 50, 20, 10)},
+    errors=CODES,
 )

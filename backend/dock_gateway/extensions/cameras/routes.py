@@ -52,7 +52,7 @@ async def list_cameras(cameras: Part[Cameras], grant: TheGrant, robot: RobotQuer
     responses={200: {"description": "The picture", "content": PICTURES}},
     response_class=Response,
 )
-@operation(Role.VIEWER, Scope.ROBOT, errors=(404, 429))
+@operation(Role.VIEWER, Scope.ROBOT, errors=(404, 429, 502))
 async def get_picture(
     name: GraphName, request: Request, parts: AllParts, robot: RobotQuery = None, max_width: WidthQuery = None
 ) -> Response:
@@ -71,7 +71,7 @@ async def get_picture(
     responses={200: {"description": "Pictures", "content": {MIXED: {}}}},
     response_class=StreamingResponse,
 )
-@operation(Role.VIEWER, Scope.ROBOT, errors=(404, 429))
+@operation(Role.VIEWER, Scope.ROBOT, errors=(404, 429, 502))
 async def stream_pictures(  # noqa: PLR0917 - FastAPI passes them by name
     name: GraphName,
     request: Request,

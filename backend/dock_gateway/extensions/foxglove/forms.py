@@ -67,7 +67,7 @@ async def read_form(form: Form, encoding: str, data: bytes) -> Any:
 
     Raises:
         MalformedRequest, InvalidField: It is not of this form.
-        Unavailable: `too_much_input`: too much waits to be read.
+        TooManyRequests: `too_much_input`: too much waits to be read.
     """
     return form.read(encoding, data) if len(data) <= SMALL else await in_turn(form.read, encoding, data)
 

@@ -6,7 +6,7 @@ from binascii import Error as NoBase64
 from collections.abc import Awaitable, Callable, Iterable
 from typing import Any
 
-from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, NotAllowed, TooManyRequests
+from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, NotInstalled, TooManyRequests
 from dock_gateway.core.grant import Role
 from dock_gateway.core.work import in_turns
 from dock_gateway.extensions.foxglove.protocol import MAX_PARAMETERS, Json, ParameterIn
@@ -156,7 +156,7 @@ def _value(parameter: ParameterIn) -> Any:
         InvalidField, NotAllowed: It is none.
     """
     if parameter.value is None:
-        raise NotAllowed(f"{parameter.name}: parameters are not removed", code="not_supported")
+        raise NotInstalled(f"{parameter.name}: parameters are not removed", code="not_supported")
     if parameter.type != BYTE_ARRAY:
         return parameter.value
     try:

@@ -7,7 +7,7 @@ from typing import Annotated, Any, NamedTuple
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from dock_gateway.core.errors import FieldError, InvalidField, MalformedRequest, NotAllowed
+from dock_gateway.core.errors import FieldError, InvalidField, MalformedRequest, NotInstalled
 from dock_gateway.core.goal import encode
 from dock_gateway.core.json_text import decode_json
 
@@ -148,7 +148,7 @@ def read_operation(text: str) -> tuple[str, Json]:
     if not isinstance(op, str):
         raise InvalidField([FieldError("op", "a string", "got none" if op is None else "got something else")])
     if op in REFUSED:
-        raise NotAllowed(REFUSED[op], code="not_supported")
+        raise NotInstalled(REFUSED[op], code="not_supported")
     return op, message
 
 

@@ -4,10 +4,11 @@ import asyncio
 from collections.abc import Awaitable, Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from http import HTTPStatus
 from itertools import islice
 from typing import Any
 
-from dock_gateway.core.errors import Conflict, GatewayError, NotAllowed, NotFound
+from dock_gateway.core.errors import GatewayError, NotAllowed, NotFound
 from dock_gateway.core.filters import is_hidden
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Role
@@ -118,7 +119,7 @@ class FoxgloveServices:
         response = service.response.write(call.encoding, await service.draft.call(request))
         if len(response) > self._parts[Settings].max_message_bytes:
             detail = f"the response of {service.name} has {len(response)} bytes, more than max_message_bytes"
-            raise Conflict(detail, code="response_too_large")
+            raise GatewayError(detail, code="response_too_large", status=HTTPStatus.BAD_GATEWAY)
         return response
 
     async def update(self, seen: Seen) -> tuple[list[Service], list[Service]]:

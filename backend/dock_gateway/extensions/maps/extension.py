@@ -6,6 +6,7 @@ from contextlib import asynccontextmanager
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.tasks import closing
 from dock_gateway.extension import Extension
+from dock_gateway.extensions.maps.error_codes import CODES
 from dock_gateway.extensions.maps.routes import router
 from dock_gateway.extensions.maps.schema import MapEvent, MapsEvent, PathEvent, ScanEvent
 from dock_gateway.extensions.maps.service import Maps
@@ -33,4 +34,5 @@ extension = Extension(
     routes=lambda _: (router,),
     includes=("map", "maps", "scan", "path"),
     events=(MapEvent, MapsEvent, ScanEvent, PathEvent),
+    errors=CODES,
 )

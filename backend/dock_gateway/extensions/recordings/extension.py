@@ -6,6 +6,7 @@ from contextlib import ExitStack, asynccontextmanager
 from dock_gateway.audit.record import RequestRecord
 from dock_gateway.core.tasks import closing
 from dock_gateway.extension import Extension
+from dock_gateway.extensions.recordings.error_codes import CODES
 from dock_gateway.extensions.recordings.recorder import Recorder
 from dock_gateway.extensions.recordings.recordings import Recordings
 from dock_gateway.extensions.recordings.routes import router
@@ -64,4 +65,5 @@ extension = Extension(
     settings=RecordingSettings,
     routes=lambda _: (router,),
     alerts=(RECORDINGS_FAILED,),
+    errors=CODES,
 )

@@ -2,6 +2,7 @@
 
 import itertools
 from collections.abc import Iterator
+from http import HTTPStatus
 from typing import Annotated
 
 from pydantic import Field
@@ -50,7 +51,8 @@ class Fragments:
             self._forget(next(iter(self._pieces)))
         if self._size > self._max_size:
             self._forget(identity)
-            raise MalformedRequest(f"messages in pieces exceed {self._max_size} characters", code="body_too_large")
+            detail = f"messages in pieces exceed {self._max_size} characters"
+            raise MalformedRequest(detail, code="body_too_large", status=HTTPStatus.REQUEST_ENTITY_TOO_LARGE)
         if len(pieces) < piece.total:
             return None
         self._forget(identity)

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, MalformedRequest, NotAllowed
+from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, MalformedRequest, NotInstalled
 from dock_gateway.core.goal import GoalStatus, encode
 from dock_gateway.core.json_text import decode_json
 from dock_gateway.stop.order import STOP_SERVICE, is_stop_service, says
@@ -171,7 +171,7 @@ def read_operation(text: str | bytes) -> tuple[str, Identity, Json]:
             return op, None, message
         raise InvalidField([FieldError("id", f"a text of at most {MAX_ID} characters", "got something else")])
     if op in REFUSED:
-        raise NotAllowed(REFUSED[op], code="not_supported")
+        raise NotInstalled(REFUSED[op], code="not_supported")
     return op, identity, message
 
 

@@ -6,6 +6,7 @@ from contextlib import asynccontextmanager
 from dock_gateway.core.tasks import closing
 from dock_gateway.extension import Extension
 from dock_gateway.extensions.simulator.controls import SimulatorControls
+from dock_gateway.extensions.simulator.error_codes import CODES
 from dock_gateway.extensions.simulator.routes import router
 from dock_gateway.http.parts import Parts
 from dock_gateway.robots.registry import RobotRegistry
@@ -22,4 +23,4 @@ async def open_simulator(parts: Parts) -> AsyncIterator[SimulatorControls]:
             yield controls
 
 
-extension = Extension("simulator", open_simulator, routes=lambda _: (router,))
+extension = Extension("simulator", open_simulator, routes=lambda _: (router,), errors=CODES)

@@ -61,13 +61,13 @@ class ClaimRules:
         """Return what someone may do.
 
         Raises:
-            NotAllowed: They have no role, or a claim that limits it is missing or not valid (`no_role`).
+            NotAllowed: They have no role, or a claim that limits it is missing or not valid (`role_required`).
         """
         values = _texts(claims, self._role_claim)
         roles = [self._roles[value] for value in values if value in self._roles]
         if not roles:
             detail = f"the claim {self._role_claim} has no value that oidc_roles gives a role"
-            raise NotAllowed(detail, code="no_role")
+            raise NotAllowed(detail, code="role_required")
         role = max(roles, key=list(Role).index)
         if role is Role.ADMIN:
             return Grant(role)
@@ -114,5 +114,7 @@ def _patterns(claims: Claims, name: str) -> tuple[str, ...]:
         or not 0 < len(patterns) <= MAX_PATTERNS
         or not all(isinstance(each, str) and len(each) <= MAX_PATTERN and PATTERN.fullmatch(each) for each in patterns)
     ):
-        raise NotAllowed(f"the claim {name} is missing, or is not a list of names such as /hall_a/*", code="no_role")
+        raise NotAllowed(
+            f"the claim {name} is missing, or is not a list of names such as /hall_a/*", code="role_required"
+        )
     return tuple(dict.fromkeys(patterns))

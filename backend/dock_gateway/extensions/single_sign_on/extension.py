@@ -6,6 +6,7 @@ from contextlib import asynccontextmanager
 from dock_gateway.access.logins import Logins
 from dock_gateway.core.tasks import closing
 from dock_gateway.extension import Extension
+from dock_gateway.extensions.single_sign_on.error_codes import CODES
 from dock_gateway.extensions.single_sign_on.logins import ProviderLogins
 from dock_gateway.extensions.single_sign_on.routes import router
 from dock_gateway.extensions.single_sign_on.settings import SingleSignOnSettings
@@ -39,5 +40,6 @@ extension = Extension(
     open_single_sign_on,
     settings=SingleSignOnSettings,
     routes=lambda _: (router,),
+    errors=CODES,
     limits=login_limits,
 )

@@ -12,7 +12,7 @@ from dock_gateway.extensions.single_sign_on import claims, people
 from dock_gateway.extensions.single_sign_on.jwt import looks_like_jwt
 from dock_gateway.extensions.single_sign_on.login_attempt import LoginAttempt
 from dock_gateway.extensions.single_sign_on.people import PersonSession, PersonSessions
-from dock_gateway.extensions.single_sign_on.single_sign_on import SingleSignOn, no_provider
+from dock_gateway.extensions.single_sign_on.single_sign_on import SingleSignOn, without_provider
 from dock_gateway.storage import History
 from dock_gateway.storage.shared_entries import SharedBook
 
@@ -72,7 +72,7 @@ class ProviderLogins:
 
         Raises:
             NotAuthenticated: It is not valid (`invalid_token`).
-            NotAllowed: It is an access token whose claims give no role (`no_role`).
+            NotAllowed: It is an access token whose claims give no role (`role_required`).
         """
         if self.sso is None or secret.startswith(people.PREFIX):
             return self.people.identify(secret)
@@ -130,10 +130,10 @@ class ProviderLogins:
             note: Is given the name of the person and the provider's id, also if they are refused then.
 
         Raises:
-            NotFound: People do not log in here with a provider (`no_provider`).
+            NotFound: People do not log in here with a provider (`provider_not_found`).
             NotAuthenticated: The login is not valid (`login_failed`).
-            NotAllowed: The person has no role (`no_role`).
-            Conflict: There are too many sessions (`too_many_sessions`).
+            NotAllowed: The person has no role (`role_required`).
+            Conflict: There are too many sessions (`limit_reached`).
             TooManyRequests: There were too many failed logins (`too_many_logins`).
             Unavailable: The provider (`provider_unavailable`) or the history (`history_unavailable`) does not answer.
         """
@@ -156,5 +156,5 @@ class ProviderLogins:
 
     def _require_sso(self) -> SingleSignOn:
         if self.sso is None:
-            raise no_provider()
+            raise without_provider()
         return self.sso

@@ -99,7 +99,7 @@ class PersonSessions(BrowserSessions[PersonSession]):
 
         Raises:
             NotAuthenticated: This login has led to a session already, here or at another gateway (`login_failed`).
-            Conflict: There are too many sessions (`too_many_sessions`).
+            Conflict: There are too many sessions (`limit_reached`).
             Unavailable: The history does not answer (`history_unavailable`); there is no new session.
         """
         assert self._issuer is not None

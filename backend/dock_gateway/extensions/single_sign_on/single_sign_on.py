@@ -90,7 +90,7 @@ class SingleSignOn:
             redirect_uri: Where the provider sends it before.
 
         Raises:
-            NotFound: People do not log in here with a provider (`no_provider`).
+            NotFound: People do not log in here with a provider (`provider_not_found`).
             Unavailable: The provider does not answer (`provider_unavailable`).
         """
         client_id = self._require_client()
@@ -116,7 +116,7 @@ class SingleSignOn:
             said: The query with which the provider has sent it back.
 
         Raises:
-            NotFound: People do not log in here with a provider (`no_provider`).
+            NotFound: People do not log in here with a provider (`provider_not_found`).
             NotAuthenticated: The browser has not begun this login, or it was used or has expired, or the provider
                 refuses it (`login_failed`).
         """
@@ -152,7 +152,7 @@ class SingleSignOn:
 
     def _require_client(self) -> str:
         if self.client_id is None:
-            raise no_provider()
+            raise without_provider()
         return self.client_id
 
     def _check_sender(self, said: Mapping[str, str]) -> None:
@@ -223,7 +223,7 @@ class SingleSignOn:
 
         Raises:
             NotAuthenticated: It is not valid (`invalid_token`).
-            NotAllowed: Its claims give no role (`no_role`).
+            NotAllowed: Its claims give no role (`role_required`).
         """
         if self.audience is None:
             raise NotAuthenticated(
@@ -249,14 +249,14 @@ class SingleSignOn:
         """Return what a person may do.
 
         Raises:
-            NotAllowed: They have no role (`no_role`).
+            NotAllowed: They have no role (`role_required`).
         """
         return self.rules.grant_of(person.claims)
 
 
-def no_provider() -> NotFound:
+def without_provider() -> NotFound:
     """Return the error that people do not log in here with an identity provider."""
-    return NotFound("this gateway has no identity provider", code="no_provider")
+    return NotFound("this gateway has no identity provider", code="provider_not_found")
 
 
 def _failure(reason: str) -> NotAuthenticated:

@@ -7,6 +7,7 @@ from dock_gateway.core.alerts import Alerts
 from dock_gateway.core.share import Share
 from dock_gateway.core.tasks import closing
 from dock_gateway.extension import Extension
+from dock_gateway.extensions.webhooks.error_codes import CODES
 from dock_gateway.extensions.webhooks.metrics import webhook_metrics
 from dock_gateway.extensions.webhooks.notifier import Notifier, make_notifier
 from dock_gateway.extensions.webhooks.routes import router
@@ -23,4 +24,4 @@ async def open_webhooks(parts: Parts) -> AsyncIterator[Notifier]:
         yield notifier
 
 
-extension = Extension("webhooks", open_webhooks, routes=lambda _: (router,), metrics=webhook_metrics)
+extension = Extension("webhooks", open_webhooks, routes=lambda _: (router,), metrics=webhook_metrics, errors=CODES)

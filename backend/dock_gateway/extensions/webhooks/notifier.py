@@ -106,7 +106,7 @@ class Notifier:
             webhook: The webhook; with an empty secret, it keeps the one that it has, or gets a random one.
 
         Raises:
-            Conflict: `too_many_webhooks`.
+            Conflict: `limit_reached`.
             Unavailable: The history does not answer (`history_unavailable`); the webhook is what it was.
         """
         known = (await self._read()).get(webhook_id)

@@ -92,7 +92,7 @@ class Outbox:
 
         def check(stored: Any) -> None:
             if (find_open(stored, webhook_id, alert_id) is None) is (event_type is EventType.CLEARED):
-                raise Conflict("another gateway was first", code="already_notified")
+                raise Conflict("another gateway was first")
 
         try:
             await self._deliveries.store(identity, delivery, check)

@@ -14,7 +14,7 @@ from starlette.requests import Request
 from uvicorn._types import ASGISendEvent
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-from dock_gateway.core.errors import GatewayError, MalformedRequest, Unavailable
+from dock_gateway.core.errors import GatewayError, MalformedRequest, TooManyRequests, Unavailable
 from dock_gateway.http.edge.connection import LINGER_BYTES, ConnectionTransport, Edge, GuardedConnection
 from dock_gateway.http.edge.limits import Priority
 from dock_gateway.http.edge.refusal import http_answer, refusal
@@ -145,7 +145,7 @@ class HttpProtocol(H11Protocol):
 
     def refuse_input(self) -> None:
         """Tell the client that its request cannot be accepted now."""
-        self._answer(Unavailable("too many clients are sending too much at the same time", code="too_much_input"))
+        self._answer(TooManyRequests("too many clients are sending too much at the same time", code="too_much_input"))
 
     def data_received(self, data: bytes) -> None:
         """Read a piece."""
@@ -238,8 +238,8 @@ class HttpProtocol(H11Protocol):
         if self.transport.connection.regular:
             super().handle_websocket_upgrade(event)
         else:
-            error = Unavailable("there are too many connections for another WebSocket", code="too_many_connections")
-            self._answer(error)
+            detail = "there are too many connections for another WebSocket"
+            self._answer(TooManyRequests(detail, code="too_many_connections"))
 
     def send_400_response(self, msg: str) -> None:
         """Answer with the error. Called while h11's exception is being handled."""

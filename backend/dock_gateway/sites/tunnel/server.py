@@ -136,7 +136,9 @@ class TunnelServer:
             opened, body = read_open(message)
         except Malformed as error:
             self._broker.refuse(error.reason, received.subject, error.detail)
-            self._answer(received, Refusal(code=error.reason, detail=error.detail, status=HTTPStatus.BAD_REQUEST))
+            self._answer(
+                received, Refusal(code="malformed_request", detail=error.detail, status=HTTPStatus.BAD_REQUEST)
+            )
             return
         if opened.id in self._channels or opened.id in self._past:
             self._broker.refuse("duplicate", received.subject, f"the stream {opened.id} was opened already")

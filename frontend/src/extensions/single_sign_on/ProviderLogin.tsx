@@ -55,7 +55,7 @@ function failureWords(provider: string): string | null {
   switch (failure) {
     case null:
       return null;
-    case "no_role":
+    case "role_required":
       return `${provider} knows you, but you have no role here. Ask an admin for one.`;
     case "provider_unavailable":
       return `${provider} does not answer. Try again in a minute, or log in with a password or a token.`;

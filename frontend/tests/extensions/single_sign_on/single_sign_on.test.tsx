@@ -38,7 +38,7 @@ beforeEach(() => session.set(ANYBODY));
 describe("single sign-on", () => {
   it("leads to the identity provider, says why a login with it has failed, and keeps the address clean", async () => {
     answering();
-    window.history.replaceState(null, "", "/ui/goals?status=failed&login_error=no_role");
+    window.history.replaceState(null, "", "/ui/goals?status=failed&login_error=role_required");
     takeFailure(window);
     expect(window.location.search).toBe("?status=failed");
     session.set({

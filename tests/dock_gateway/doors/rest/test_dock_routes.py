@@ -109,7 +109,7 @@ def client(parts: LateServer) -> TestClient:
 def test_no_goal_is_sent_to_an_action_beyond_the_limits(client: TestClient, path: str) -> None:
     with client:
         answer = client.post(path, params={"robot": "/robot1"})
-    assert (answer.status_code, answer.json()["code"]) == (403, "not_covered")
+    assert (answer.status_code, answer.json()["code"]) == (403, "not_allowed")
     assert f"/robot1{path}_robot" in answer.json()["detail"]
 
 
@@ -117,7 +117,7 @@ async def test_no_goal_is_sent_to_such_an_action_on_a_websocket(parts: LateServe
     principal = Principal("limited", Kind.TOKEN, OURS, "id")
     with pytest.raises(NotAllowed) as refused:
         await COMMANDS["send_goal"](parts, principal, {"robot": "/robot1"})
-    assert refused.value.code == "not_covered"
+    assert refused.value.code == "not_allowed"
 
 
 @pytest.mark.parametrize(

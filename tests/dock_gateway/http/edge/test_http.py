@@ -267,12 +267,12 @@ async def test_all_clients_together_send_too_much() -> None:
         for number in range(10):
             _, writer = await stack.enter_async_context(edge.connect(f"127.0.0.{2 + number % 2}"))
             writer.write(head % 1_000_000 + b"x" * 99_000)
-        while b" 503 " not in (answer := await edge.ask(head % 200_000 + b"x" * 200_000)):
+        while b" 429 " not in (answer := await edge.ask(head % 200_000 + b"x" * 200_000)):
             assert answer.endswith(b"200000")  # what the others sent has not been read yet
-        assert code(answer) == (503, "too_much_input")
+        assert code(answer) == (429, "too_much_input")
         assert (await edge.ask(head % 15_000 + b"x" * 15_000)).endswith(b"15000")
         await stack.aclose()
-        while b" 503 " in (answer := await edge.ask(head % 200_000 + b"x" * 200_000)):
+        while b" 429 " in (answer := await edge.ask(head % 200_000 + b"x" * 200_000)):
             pass
         assert answer.endswith(b"200000")
 
@@ -288,7 +288,7 @@ async def test_what_clients_at_one_address_send_leaves_room_for_others() -> None
         for _ in range(50):  # what was sent is read in turns
             async with edge.connect("127.0.0.2") as (reader, writer):
                 writer.write(body)
-                refused = refused or code_of(await asyncio.wait_for(reader.read(), 10)) == 503
+                refused = refused or code_of(await asyncio.wait_for(reader.read(), 10)) == 429
             assert (await edge.ask(body)).endswith(b"200000")
         assert refused
 
@@ -302,7 +302,7 @@ async def test_a_connection_of_the_reserve_has_one_request_and_no_websocket() ->
         for reader, _ in regular:
             assert b" 200 " in await reader.readuntil(b"GET /")
         assert (await edge.ask(START + b"\r\n")).endswith(b"GET /")
-        assert code(await edge.ask(upgrade + b"\r\n")) == (503, "too_many_connections")
+        assert code(await edge.ask(upgrade + b"\r\n")) == (429, "too_many_connections")
         assert code(await edge.ask(START)) == (408, "request_timeout")
 
 

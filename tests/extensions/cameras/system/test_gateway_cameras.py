@@ -63,7 +63,7 @@ def test_cameras_of_two_robots(domain: int, tmp_path: Path) -> None:
         picture = http.get("/robots/cameras/esp/image?robot=/robot1").raise_for_status()
         assert picture.content.endswith(b"\xff\xd9")
         refused = http.get("/robots/cameras/odd/image?robot=/robot1", headers=bearer(limited))
-        assert refused.json()["code"] == "not_covered"
+        assert refused.json()["code"] == "not_allowed"
         unreadable = http.get("/robots/cameras/odd/stream?robot=/robot1")
         assert unreadable.json()["detail"].startswith("/robot1/odd cannot be shown: the encoding 'odd' is not shown")
         assert http.get("/robots/cameras/none/image?robot=/robot1").json()["code"] == "camera_not_found"

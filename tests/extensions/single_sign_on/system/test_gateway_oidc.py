@@ -76,9 +76,11 @@ def test_people_of_a_provider(shared_domain: int, site: Site) -> None:
             assert replayed.json()["code"] == "login_failed"
             with httpx2.Client(headers={"Accept": "text/html"}) as eve:
                 refused = sign_in(eve, one, "4712")
-            assert (refused.status_code, refused.headers["location"]) == (303, "/ui/goals?login_error=no_role")
+            assert (refused.status_code, refused.headers["location"]) == (303, "/ui/goals?login_error=role_required")
             newest = wait_until(
-                lambda: next((row for row in audited(one, root, "finish_login") if row["code"] == "no_role"), None),
+                lambda: next(
+                    (row for row in audited(one, root, "finish_login") if row["code"] == "role_required"), None
+                ),
                 "the record of the refusal",
             )
             assert (newest["outcome"], newest["subject"], newest["principal"]) == ("refused", "oidc:eve (4712)", None)
@@ -111,7 +113,7 @@ def test_services_of_a_provider(shared_domain: int, site: Site) -> None:
         token = provider.access_token(sub="fleet-manager", preferred_username=None)
         assert code(token) is None
         assert code(provider.access_token(aud="dashboard")) == "invalid_token"
-        assert code(provider.access_token(roles=["guests"])) == "no_role"
+        assert code(provider.access_token(roles=["guests"])) == "role_required"
         answer = http.post("/tokens", json={"name": "x", "role": "admin"}, headers=bearer(token))
         assert answer.json()["code"] == "role_required"
 

@@ -87,8 +87,8 @@ async def test_a_hub_can_do_no_more_than_the_site_allows(hub: SmallHub) -> None:
         ("POST", "/dock", Grant(Role.VIEWER), "role_required"),
         ("DELETE", "/stop", UNLIMITED, "role_required"),
         ("GET", "/users", UNLIMITED, "role_required"),
-        ("POST", "/dock?robot=/robot1", UNLIMITED, "not_covered"),
-        ("POST", "/dock", Grant(Role.OPERATOR, ("/robot1",)), "not_covered"),
+        ("POST", "/dock?robot=/robot1", UNLIMITED, "not_allowed"),
+        ("POST", "/dock", Grant(Role.OPERATOR, ("/robot1",)), "not_allowed"),
     ):
         answer = await hub.request(method, path, grant=grant)
         assert (answer.status, answer.json()["code"]) == (403, code), path
