@@ -4,14 +4,7 @@ from dock_gateway.core.error_codes import ErrorCode
 
 CODES = (
     ErrorCode("site_not_found", 404, "There is no site of that name, or the limits leave it out.", "access.md#limits"),
-    ErrorCode(
-        "release_incomplete",
-        504,
-        "Not every site has confirmed the release; `sites` says which has.",
-        "extensions/sites.md",
-    ),
-    ErrorCode(
-        "stop_incomplete", 504, "Not every site has confirmed the stop; `sites` says which has.", "extensions/sites.md"
-    ),
-    ErrorCode("stopped_again", None, "Of a release at one site: a stop came while it waited.", "extensions/sites.md"),
+    ErrorCode("release_incomplete", 504, "Not every site has confirmed the release; `sites` says which has."),
+    ErrorCode("stop_incomplete", 504, "Not every site has confirmed the stop; `sites` says which has."),
+    ErrorCode("stopped_again", None, "Of a release at one site: a stop came while it waited."),
 )

@@ -9,7 +9,7 @@ from typing import Any, cast
 
 import pytest
 
-from dock_gateway.core.errors import NotAllowed, NotFound, Unavailable
+from dock_gateway.core.errors import GatewayError, NotAllowed, NotFound, Unavailable
 from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import UNLIMITED, Grant, Role
@@ -170,7 +170,7 @@ async def test_a_hint_while_pictures_cannot_be_shown(bench: Bench, caplog: pytes
     while not refused.done():
         await bench.relays.publish(b"!")
         await asyncio.sleep(0.01)
-    with pytest.raises(Unavailable, match="cannot be shown: it is odd"):
+    with pytest.raises(GatewayError, match="cannot be shown: it is odd"):
         await refused
     waiting.cancel()
     await asyncio.wait([waiting])

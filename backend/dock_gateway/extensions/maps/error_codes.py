@@ -2,4 +2,4 @@
 
 from dock_gateway.core.error_codes import ErrorCode
 
-CODES = (ErrorCode("map_not_found", 404, "There is no map of the robot; the detail says why.", "extensions/maps.md"),)
+CODES = (ErrorCode("map_not_found", 404, "There is no map of the robot; the detail says why."),)
