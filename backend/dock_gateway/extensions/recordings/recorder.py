@@ -11,7 +11,7 @@ from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.extensions.recordings.collector import RobotCollector
 from dock_gateway.extensions.recordings.ring import Ring
-from dock_gateway.extensions.recordings.server_parameters import read_parameters
+from dock_gateway.extensions.recordings.server_parameters import ServerParameters
 from dock_gateway.extensions.recordings.settings import RecordingSettings
 from dock_gateway.extensions.recordings.store import OpenRecording, RecordingStore
 from dock_gateway.extensions.recordings.topics import CAMERA, Wanted, recorded_topics
@@ -85,8 +85,8 @@ class Recorder:
         self, settings: Settings, bridge: Bridge, relays: Relays, robots: RobotRegistry, store: RecordingStore
     ) -> None:
         self._names, self._settings = settings, settings.of(RecordingSettings)
-        self._bridge = bridge
         self._relays = relays
+        self._parameters = ServerParameters(bridge, relays)
         self._robots = robots
         self._store = store
         self._collectors: dict[str, RobotCollector] = {}
@@ -104,6 +104,7 @@ class Recorder:
     def update(self, scan: Scan) -> None:
         """Follow what is on the ROS graph."""
         self._scan = scan
+        self._parameters.keep(scan.actions)
         self._changed.set()
 
     async def _follow_topics(self) -> None:
@@ -180,7 +181,7 @@ class Recorder:
         """Keep the parameters of the goal's server: by them its decisions can be replayed."""
         goal = running.goal
         for pause in PARAMETER_PAUSES:  # a busy server may not answer at once
-            if (parameters := await read_parameters(self._bridge, goal.action_name)) is not None:
+            if (parameters := await self._parameters.read(goal.action_name)) is not None:
                 running.collector.note({"type": "parameters", "goal_id": goal.goal_id, **parameters})
                 return
             await asyncio.sleep(pause)
@@ -310,6 +311,7 @@ class Recorder:
         self._closing.set()
         await asyncio.wait([self._writing], timeout=CLOSE_TIMEOUT)
         await self._tasks.close()
+        await self._parameters.close()
 
 
 def _after_held(held: list[Sample], samples: list[Sample], began_ns: int) -> list[Sample]:

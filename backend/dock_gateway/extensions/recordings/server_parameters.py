@@ -1,24 +1,110 @@
-"""The parameters of an action server, for the recordings of its goals."""
+"""The parameters of action servers, for the recordings of their goals."""
 
 import logging
+from collections.abc import Container
 from contextlib import closing
+from dataclasses import dataclass, field
 from typing import Any
 
 from dock_gateway.core.errors import GatewayError
+from dock_gateway.core.graph import ACTION_PART, STATUS
+from dock_gateway.graph.received import Received
+from dock_gateway.graph.relays import Relays
 from dock_gateway.ros.bridge import Bridge
-from dock_gateway.ros.parameter_reader import ParameterReader, find_server_node
+from dock_gateway.ros.graph import read_topic
+from dock_gateway.ros.parameter_reader import ParameterReader, read_value
 
 log = logging.getLogger(__name__)
 
+# Where every node says which of its parameters have changed.
+EVENTS, EVENT_TYPE = "/parameter_events", "rcl_interfaces/msg/ParameterEvent"
 
-async def read_parameters(bridge: Bridge, action: str) -> dict[str, Any] | None:
-    """Return the node of an action server and the values of its parameters; None if it does not tell them."""
-    try:
-        if (node := await find_server_node(bridge, action)) is None:
+
+@dataclass
+class _Known:
+    """The parameters of a server. The endpoint of one that starts again is another."""
+
+    gid: bytes
+    node: str
+    values: dict[str, Any] = field(default_factory=dict)
+    complete: bool = False
+
+
+class ServerParameters:
+    """The parameters of action servers. Each is asked once; then its changes are followed.
+
+    Args:
+        bridge: Runs calls on the ROS thread.
+        relays: The topics.
+    """
+
+    def __init__(self, bridge: Bridge, relays: Relays) -> None:
+        self._bridge = bridge
+        self._relays = relays
+        self._listening = False
+        self._known: dict[str, _Known] = {}
+
+    async def read(self, action: str) -> dict[str, Any] | None:
+        """Return the node of an action server and the values of its parameters; None if it does not tell them."""
+        try:
+            await self._listen()
+            if not (servers := await self._find(action)):
+                return None
+            node, gid = servers[-1]
+            known = self._known.get(action)
+            # One that was killed stays on the graph beside its successor for a while.
+            if known is None or known.gid != gid or not known.complete or len(servers) > 1:
+                known = self._known[action] = _Known(gid, node)
+                known.values = {**await self._ask(node), **known.values}  # a change meanwhile is newer
+                known.complete = True
+        except (GatewayError, TimeoutError) as error:
+            self._known.pop(action, None)
+            log.info("the parameters of the server of %s are not recorded: %s", action, error or "it does not answer")
             return None
-        with closing(ParameterReader(bridge, node)) as reader:
-            values = await reader.values(sorted(await reader.names()))
-    except (GatewayError, TimeoutError) as error:
-        log.info("the parameters of the server of %s are not recorded: %s", action, error or "it does not answer")
-        return None
-    return {"node": node, "values": dict(values)}
+        return {
+            "node": known.node,
+            "values": {name: value for name, value in known.values.items() if value is not None},
+        }
+
+    def keep(self, actions: Container[str]) -> None:
+        """Forget the servers of all other actions."""
+        for action in [action for action in self._known if action not in actions]:
+            del self._known[action]
+
+    async def _listen(self) -> None:
+        if not self._listening:
+            await self._relays.join(EVENTS, EVENT_TYPE, self)
+            self._listening = True
+
+    async def _find(self, action: str) -> list[tuple[str, bytes]]:
+        """Return the nodes that serve an action, each with its endpoint."""
+        topic = await self._bridge.call(lambda: read_topic(self._bridge.node, f"{action}{ACTION_PART}{STATUS}"))
+        return [(each.node, each.gid) for each in topic.publishers if each.node is not None]
+
+    async def _ask(self, node: str) -> dict[str, Any]:
+        with closing(ParameterReader(self._bridge, node)) as reader:
+            return dict(await reader.values(sorted(await reader.names())))
+
+    async def offer(self, message: Received) -> None:
+        """Take a message about parameters that have changed."""
+        try:
+            event = message.once(_decode)
+        except Exception:  # noqa: BLE001 - whatever the bytes of others bring about
+            return
+        for known in self._known.values():
+            if known.node != event.node:
+                continue
+            for parameter in (*event.new_parameters, *event.changed_parameters):
+                known.values[parameter.name] = read_value(parameter.value)
+            for parameter in event.deleted_parameters:
+                known.values[parameter.name] = None
+
+    async def close(self) -> None:
+        """Follow changes no longer."""
+        if self._listening:
+            self._listening = False
+            await self._relays.leave(EVENTS, self)
+
+
+def _decode(message: Received) -> Any:
+    return message.kind.decode(message.data)
