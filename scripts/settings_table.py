@@ -5,8 +5,9 @@ from pathlib import Path
 
 from pydantic.fields import FieldInfo
 
-from dock_gateway.cli.options import ONLY_A_VARIABLE, TYPE, describe_default, groups_of, is_tuning, option_name
+from dock_gateway.cli.options import TYPE, describe_default, groups_of, is_tuning, option_name
 from dock_gateway.setting_groups.group import PREFIX
+from dock_gateway.settings import ONLY_A_VARIABLE
 
 PAGE = Path(__file__).parents[1] / "docs/configuration.md"
 BEGIN, END = "<!-- The tables are written by `make format`. -->", "<!-- The end of the tables. -->"

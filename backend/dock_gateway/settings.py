@@ -12,15 +12,17 @@ import platformdirs
 from pydantic import model_validator
 
 from dock_gateway.setting_groups.access import AccessSettings
-from dock_gateway.setting_groups.group import PREFIX, SettingsGroup
+from dock_gateway.setting_groups.group import PREFIX, SettingsGroup, config_file, read_file
 from dock_gateway.setting_groups.history import HistorySettings
 from dock_gateway.setting_groups.limits import LimitSettings
 from dock_gateway.setting_groups.robots import RobotSettings
 from dock_gateway.setting_groups.server import ServerSettings
 from dock_gateway.setting_types import LOOPBACK_HOSTS, ListensOn, own_names
 
-# Variables of the commands that are HTTP clients.
-OF_CLIENTS = {"URL", "TOKEN", "CLIENT_CERT"}
+# Variables of the commands that are HTTP clients, and of the configuration file.
+OTHERS = {"URL", "TOKEN", "CLIENT_CERT", "CONFIG"}
+# It says which settings there are.
+ONLY_A_VARIABLE = "extensions"
 # What Kubernetes sets in each container for a service that is called dock-gateway.
 OF_LINKS = re.compile("SERVICE_|PORT_[0-9]")
 
@@ -50,12 +52,37 @@ def unknown_variables(environment: Iterable[str], fields: Iterable[str]) -> list
     sentences = []
     for variable in sorted(environment):
         name = variable.upper().removeprefix(PREFIX)
-        if not variable.upper().startswith(PREFIX) or name in OF_CLIENTS or name in settings or OF_LINKS.match(name):
+        if not variable.upper().startswith(PREFIX) or name in OTHERS or name in settings or OF_LINKS.match(name):
             continue
-        similar = difflib.get_close_matches(name, settings, n=1, cutoff=0.7)
-        hint = "".join(f". Did you mean {PREFIX}{one}?" for one in similar)
+        hint = "".join(f". Did you mean {PREFIX}{one}?" for one in similar(name, settings))
         sentences.append(f"{variable} is not a setting and has no effect{hint}")
     return sentences
+
+
+def find_file_fault(fields: Iterable[str]) -> str | None:
+    """Return why the configuration file cannot be used: it is missing, or has a setting that there is not.
+
+    Args:
+        fields: The settings.
+    """
+    if (path := config_file()) is None:
+        return None
+    try:
+        found = read_file(path)
+    except ValueError as error:
+        return str(error)
+    settings = [*fields]
+    if (unknown := next((name for name in found if name not in settings), None)) is not None:
+        hint = "".join(f". Did you mean {one}?" for one in similar(unknown, settings))
+        return f"{path}: {unknown} is not a setting{hint}"
+    if ONLY_A_VARIABLE in found:
+        return f"{path}: {ONLY_A_VARIABLE} can only be set as a variable, {PREFIX}{ONLY_A_VARIABLE.upper()}"
+    return None
+
+
+def similar(name: str, known: list[str]) -> list[str]:
+    """Return the known name that is most like another, if one is."""
+    return difflib.get_close_matches(name, known, n=1, cutoff=0.7)
 
 
 class ExtensionSettings(SettingsGroup):

@@ -7,7 +7,7 @@ from typing import Any
 import click
 import orjson
 
-from dock_gateway.cli.options import CommandsWithSettings, read_settings_of, settings_options
+from dock_gateway.cli.options import CommandsWithSettings, read_again, read_settings_of, settings_options
 from dock_gateway.cli.start import check_exposure, check_port
 from dock_gateway.doctor.machine import find_database_fault
 from dock_gateway.setting_groups.group import PREFIX
@@ -35,7 +35,7 @@ OPTIONS = (
 def hub(**options: Any) -> None:
     """Run a hub: one dashboard, one API and one set of rights for many gateways, over NATS."""
     if click.get_current_context().invoked_subcommand is None:
-        _run(_checked(options))
+        _run(_checked(options), options)
 
 
 def _checked(options: dict[str, Any]) -> HubSettings:
@@ -60,7 +60,7 @@ def _checked(options: dict[str, Any]) -> HubSettings:
     return settings
 
 
-def _run(settings: HubSettings) -> None:
+def _run(settings: HubSettings, options: dict[str, Any]) -> None:
     from dock_gateway.cli.server import run  # noqa: PLC0415 - takes long to import
     from dock_gateway.http.edge.certificates import CertificateError  # noqa: PLC0415
     from dock_gateway.sites.identity import KeyFault  # noqa: PLC0415
@@ -68,8 +68,9 @@ def _run(settings: HubSettings) -> None:
     from dock_hub.assembly import open_hub  # noqa: PLC0415
     from dock_hub.extensions import hub_extensions  # noqa: PLC0415
 
+    reread = partial(read_again, hub_settings_type(), options)
     try:
-        started = run(settings, partial(open_hub, installed=hub_extensions()), create_hub_app)
+        started = run(settings, partial(open_hub, installed=hub_extensions()), create_hub_app, reread=reread)
     except CertificateError as error:
         raise click.UsageError(str(error)) from None
     except KeyFault as error:

@@ -12,7 +12,7 @@ from dock_gateway import __version__
 from dock_gateway.cli.shared_options import json_option, url_option
 
 SECTIONS: dict[str, dict[str, str]] = {
-    "Run a gateway": {"up": "up", "serve": "serve", "doctor": "doctor", "service": "service"},
+    "Run a gateway": {"up": "up", "serve": "serve", "doctor": "doctor", "config": "config", "service": "service"},
     "Stop robots": {"stop": "stop", "release": "stop"},
     "Move robots, and see what they do": {
         "dock": "goals",

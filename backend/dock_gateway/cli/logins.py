@@ -7,16 +7,21 @@ from typing import Any
 import click
 
 from dock_gateway.cli.databases import Choice
-from dock_gateway.cli.options import read_settings
+from dock_gateway.cli.options import config_option, read_settings
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.grant import LIMITS, Grant, Role
 from dock_gateway.setting_types import PATTERN
 
 Command = Callable[..., Any]
 
-database_option = click.option(
+_database_url = click.option(
     "--database-url", envvar="DOCK_GATEWAY_DATABASE_URL", show_envvar=True, help="The gateway's database."
 )
+
+
+def database_option(command: Command) -> Command:
+    """Add the database, and the configuration file that may name it."""
+    return config_option(_database_url(command))
 
 
 def grant_options(command: Command) -> Command:

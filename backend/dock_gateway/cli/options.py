@@ -1,8 +1,10 @@
 """Command-line options for settings: one for each field of `Settings` and of the settings of extensions."""
 
+import os
 import posixpath
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import click
@@ -10,13 +12,11 @@ from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
 from dock_gateway.extension_list import settings_type
-from dock_gateway.setting_groups.group import PREFIX, SettingsGroup
+from dock_gateway.setting_groups.group import CONFIG, PREFIX, SettingsGroup
 from dock_gateway.setting_types import Tuning
-from dock_gateway.settings import Settings
+from dock_gateway.settings import ONLY_A_VARIABLE, Settings, find_file_fault
 
 TYPE = settings_type()
-# It says which options there are.
-ONLY_A_VARIABLE = "extensions"
 S = TypeVar("S", bound=Settings)
 Command = Callable[..., Any]
 # A link of Markdown.
@@ -96,6 +96,22 @@ def _format_options(command: click.Command, ctx: click.Context, formatter: click
             formatter.write_dl(records)
 
 
+def _use_file(_: click.Context, __: click.Parameter, path: str | None) -> None:
+    """Name the configuration file in the environment, where programs that this one starts find it, too."""
+    if path is not None:
+        os.environ[CONFIG] = str(Path(path).absolute())
+
+
+config_option = click.option(
+    "--config",
+    metavar="FILE",
+    expose_value=False,
+    is_eager=True,
+    callback=_use_file,
+    help=f"Configuration file, in TOML.  [env: {CONFIG}]",
+)
+
+
 def settings_options(command: Command, leave_out: Collection[str] = (), settings: type[Settings] = TYPE) -> Command:
     """Add an option for each setting. They arrive as keyword arguments; those that are not given are None.
 
@@ -112,7 +128,7 @@ def settings_options(command: Command, leave_out: Collection[str] = (), settings
     ]
     for names, attributes in reversed(options):
         command = click.option(*names, cls=SettingOption, **attributes)(command)
-    return command
+    return config_option(command)
 
 
 def _option(name: str, field: FieldInfo, group: str) -> tuple[tuple[str, str], dict[str, Any]]:
@@ -154,7 +170,7 @@ def arguments_of(options: Mapping[str, object]) -> list[str]:
 
 
 def read_settings(options: Mapping[str, object]) -> Settings:
-    """Read the settings of a gateway from options, the environment and defaults, in this order.
+    """Read the settings of a gateway from options, the environment, the file and defaults, in this order.
 
     Raises:
         click.UsageError: A value is invalid. The message says which.
@@ -162,13 +178,27 @@ def read_settings(options: Mapping[str, object]) -> Settings:
     return read_settings_of(TYPE, options)
 
 
+def read_again(settings: type[S], options: Mapping[str, object]) -> S:
+    """Read settings again while a program runs.
+
+    Raises:
+        ValueError: They are not valid. The message says why.
+    """
+    try:
+        return read_settings_of(settings, options)
+    except click.UsageError as error:
+        raise ValueError(error.message) from None
+
+
 def read_settings_of(settings: type[S], options: Mapping[str, object]) -> S:
-    """Read settings from options, the environment and defaults, in this order.
+    """Read settings from options, the environment, the file and defaults, in this order.
 
     Raises:
         click.UsageError: A value is invalid. The message says which.
     """
     given = cast("dict[str, Any]", {name: value for name, value in options.items() if value is not None})
+    if (fault := find_file_fault(settings.model_fields)) is not None:
+        raise click.UsageError(fault)
     try:
         return settings(**given)
     except ValidationError as error:

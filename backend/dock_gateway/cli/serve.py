@@ -4,11 +4,12 @@ The server takes seconds to import. It is imported where it runs, so that client
 """
 
 import os
+from functools import partial
 from typing import Any
 
 import click
 
-from dock_gateway.cli.options import SettingsCommand, read_settings, settings_options
+from dock_gateway.cli.options import TYPE, SettingsCommand, read_again, read_settings, settings_options
 from dock_gateway.cli.start import check_start, load_ros
 
 # What the variables begin with that ROS and DDS read.
@@ -28,7 +29,7 @@ def serve(**options: Any) -> None:
 
     variables = " ".join(sorted(name for name in os.environ if name.startswith(ROS_PREFIXES)))
     try:
-        started = run_gateway(settings)
+        started = run_gateway(settings, partial(read_again, TYPE, options))
     except CertificateError as error:
         raise click.UsageError(str(error)) from None
     except GatewayError as error:

@@ -15,6 +15,7 @@ import uvicorn
 from starlette.types import ASGIApp
 from uvicorn.config import STARTUP_FAILURE
 
+from dock_gateway.cli.hangup import Hangup, Reread
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.log_config import configure_logs
 from dock_gateway.core.tasks import Tasks
@@ -44,6 +45,7 @@ OpenParts = Callable[[S], AbstractAsyncContextManager[Parts]]
 CreateApp = Callable[[S, Parts], ASGIApp]
 # Called with the parts and the port, once it is listened on.
 OnListening = Callable[[Parts, int], object]
+OnRereadWithParts = Callable[[Parts, Settings], object]
 
 
 class Server(uvicorn.Server):
@@ -130,6 +132,9 @@ def run(
     open_parts: OpenParts[S],
     create_app: CreateApp[S],
     on_listening: OnListening = lambda *_: None,
+    *,
+    reread: Reread,
+    on_reread: OnRereadWithParts = lambda *_: None,
 ) -> bool:
     """Serve until a signal arrives. Return False if the server could not be started.
 
@@ -138,6 +143,8 @@ def run(
         open_parts: Opens the parts, until the server has shut down.
         create_app: Makes the application of them.
         on_listening: Called with the parts and the port, once it is listened on.
+        reread: Reads the settings again, after SIGHUP.
+        on_reread: Called with the parts and what was read again.
 
     Raises:
         CertificateError: A certificate or key cannot be used.
@@ -160,7 +167,7 @@ def run(
     )
     with asyncio.Runner(loop_factory=config.get_loop_factory()) as runner:
         server = Server(config, certificates, on_listening)
-        return runner.run(_serve(server, settings, open_parts, create_app))
+        return runner.run(_serve(server, settings, open_parts, create_app, reread, on_reread))
 
 
 def _say_who_may_use(settings: Settings) -> None:
@@ -179,10 +186,22 @@ def _say_who_may_use(settings: Settings) -> None:
             )
 
 
-async def _serve(server: Server, settings: S, open_parts: OpenParts[S], create_app: CreateApp[S]) -> bool:
+async def _serve(
+    server: Server,
+    settings: S,
+    open_parts: OpenParts[S],
+    create_app: CreateApp[S],
+    reread: Reread,
+    on_reread: OnRereadWithParts,
+) -> bool:
+    def take(fresh: Settings) -> None:
+        if opened:
+            on_reread(opened[0], fresh)
+
+    opened: list[Parts] = []
     with server.capture_signals():  # from now on, and until everything is closed
-        if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # `nohup` sets it to be ignored
-            signal.signal(signal.SIGHUP, server.handle_exit)  # the terminal closed, which uvicorn does not handle
+        Hangup(settings, reread, take, lambda: server.handle_exit(signal.SIGHUP, None)).listen()
         async with open_parts(settings) as parts:
+            opened.append(parts)
             await server.serve_app(create_app(settings, parts), parts, settings)
     return server.started

@@ -23,6 +23,7 @@ SETTINGS = """\
 #   DOCK_GATEWAY_PORT=9000
 #   DOCK_GATEWAY_DATABASE_URL=postgresql://user:password@host/name
 #   ROS_DOMAIN_ID=7
+#   DOCK_GATEWAY_CONFIG=/etc/dock-gateway/gateway.toml
 """
 
 

@@ -18,6 +18,7 @@ Description=dock-gateway: ROS 2 actions for browsers, curl and WebSockets
 
 [Service]
 ExecStart={program} serve
+ExecReload=/bin/kill -HUP $MAINPID
 {environment}EnvironmentFile=-%E/dock-gateway/settings.env
 Restart=on-failure
 RestartSec=5

@@ -25,10 +25,7 @@ def check_start(settings: Settings, environment: Mapping[str, str], *, docking: 
     Raises:
         click.ClickException: The message says why, and what to do.
     """
-    if (fault := missing_extension()) is not None:
-        raise click.UsageError(fault)
-    check_exposure(settings)
-    _check_extensions(settings)
+    check_settings(settings)
     _refuse(find_twin_fault())
     check_ros(environment)
     _check_docking(environment, needed=docking)
@@ -37,6 +34,20 @@ def check_start(settings: Settings, environment: Mapping[str, str], *, docking: 
             check_installed(setting, action_type)
     check_port(settings)
     _refuse(find_database_fault(settings))
+
+
+def check_settings(settings: Settings) -> None:
+    """Refuse settings that do not fit each other, or name what is not there.
+
+    Raises:
+        click.UsageError: The message says why, and what to do.
+    """
+    if (fault := missing_extension()) is not None:
+        raise click.UsageError(fault)
+    check_exposure(settings)
+    for kind in extension_settings():
+        if (fault := kind.find_fault(settings.of(kind))) is not None:
+            raise click.UsageError(fault)
 
 
 def check_port(settings: Settings) -> None:
@@ -56,12 +67,6 @@ def check_exposure(settings: Settings) -> None:
     """
     if (fault := find_exposure_fault(settings)) is not None:
         raise click.UsageError(fault)
-
-
-def _check_extensions(settings: Settings) -> None:
-    for kind in extension_settings():
-        if (fault := kind.find_fault(settings.of(kind))) is not None:
-            raise click.UsageError(fault)
 
 
 def check_ros(environment: Mapping[str, str]) -> None:

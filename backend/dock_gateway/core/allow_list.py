@@ -16,10 +16,18 @@ class AllowList:
     """
 
     def __init__(self, setting: str, patterns: Iterable[str], refused: str) -> None:
-        listed = [*patterns]
         self._setting = setting
-        self._expression = match_any(map(expression, listed)) if listed else None
         self._refused = refused
+        self.replace(patterns)
+
+    def replace(self, patterns: Iterable[str]) -> None:
+        """Take another value, from now on."""
+        listed = [*patterns]
+        self._expression = match_any(map(expression, listed)) if listed else None
+
+    def __bool__(self) -> bool:
+        """Whether it allows anything."""
+        return self._expression is not None
 
     def covers(self, name: str) -> bool:
         """Return whether it names something."""

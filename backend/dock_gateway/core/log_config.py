@@ -69,20 +69,35 @@ class JsonFormatter(logging.Formatter):
 
 def configure_logs(settings: "Settings") -> None:
     """Configure the root logger, which every line goes to. With JSON, warnings and uncaught exceptions do, too."""
-    debug = settings.log_level == "debug"
-    logging.basicConfig(level=settings.log_level.upper())
+    logging.basicConfig()
     for handler in logging.getLogger().handlers:
         handler.setFormatter(JsonFormatter() if settings.log_format == "json" else HumanFormatter())
-        if not debug:
-            handler.addFilter(LogLimit())
     for noisy in NOISY:
         logging.getLogger(noisy).setLevel(logging.WARNING)
-    if not debug:
-        logging.getLogger("uvicorn").setLevel(logging.WARNING)
+    set_log_level(settings.log_level)
     if settings.log_format == "json":
         logging.captureWarnings(capture=True)
         sys.excepthook = lambda *error: log.critical("the gateway ended with an error", exc_info=error)
         threading.excepthook = _log_thread
+
+
+def set_log_level(level: str) -> None:
+    """Set the level of the root logger, also while the gateway runs. `debug` limits no lines.
+
+    Args:
+        level: As in the setting `log_level`.
+    """
+    root = logging.getLogger()
+    root.setLevel(level.upper())
+    debug = level == "debug"
+    logging.getLogger("uvicorn").setLevel(logging.NOTSET if debug else logging.WARNING)
+    for handler in root.handlers:
+        limits = [each for each in handler.filters if isinstance(each, LogLimit)]
+        if debug:
+            for limit in limits:
+                handler.removeFilter(limit)
+        elif not limits:
+            handler.addFilter(LogLimit())
 
 
 def _log_thread(ended: threading.ExceptHookArgs) -> None:

@@ -58,11 +58,14 @@ class Parameters:
     Args:
         settings: Name the nodes whose parameters may be set.
         bridge: The bridge to the ROS thread.
+
+    Attributes:
+        listed: The nodes whose parameters may be set.
     """
 
     def __init__(self, settings: Settings, bridge: Bridge) -> None:
         self._bridge = bridge
-        self._listed = AllowList("allow_parameters", settings.allow_parameters, "the gateway sets no parameters of")
+        self.listed = AllowList("allow_parameters", settings.allow_parameters, "the gateway sets no parameters of")
         self._within = settings.accept_timeout
         self._many = asyncio.Semaphore(MANY_AT_ONCE)
         self._ports: OrderedDict[str, ParameterPort] = OrderedDict()
@@ -73,7 +76,7 @@ class Parameters:
         Raises:
             NotAllowed: It is not in the setting (`not_allowed`).
         """
-        self._listed.require(node)
+        self.listed.require(node)
 
     async def read(self, node: str, grant: Grant = UNLIMITED) -> list[Parameter]:
         """Return all parameters of a node, sorted by name.

@@ -112,13 +112,16 @@ class Publishing:
         settings: The topics that may be published on, and those of stops and velocities.
         bridge: The bridge to the ROS thread.
         interlock: Which robots are stopped.
+
+    Attributes:
+        listed: The topics that may be published on.
     """
 
     def __init__(self, settings: Settings, bridge: Bridge, interlock: Interlock) -> None:
         self._settings = settings
         self._bridge = bridge
         self._interlock = interlock
-        self._listed = AllowList("allow_publish", settings.allow_publish, "the gateway does not publish on")
+        self.listed = AllowList("allow_publish", settings.allow_publish, "the gateway does not publish on")
         self._publications: OrderedDict[str, Publication] = OrderedDict()
         self._opening = asyncio.Lock()
 
@@ -137,7 +140,7 @@ class Publishing:
             )
         if any(name == stop or (stop[0] != "/" and name.endswith(f"/{stop}")) for stop in self._stop_topics):
             raise use_other_request(f"{name[:200]} tells whether a robot is stopped", "POST /stop")
-        self._listed.require(name)
+        self.listed.require(name)
 
     @property
     def _stop_topics(self) -> tuple[str, ...]:

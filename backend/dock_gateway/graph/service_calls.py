@@ -87,6 +87,9 @@ class ServiceCalls:
         settings: Which services may be called.
         bridge: The bridge to the ROS thread.
         interlock: Which robots are stopped.
+
+    Attributes:
+        listed: The services that may be called.
     """
 
     def __init__(self, settings: Settings, bridge: Bridge, interlock: Interlock) -> None:
@@ -94,7 +97,7 @@ class ServiceCalls:
         self._find_within = settings.accept_timeout
         self._bridge = bridge
         self._interlock = interlock
-        self._listed = AllowList("allow_services", settings.allow_services, "the gateway does not call the service")
+        self.listed = AllowList("allow_services", settings.allow_services, "the gateway does not call the service")
         self._clients: OrderedDict[tuple[str, str], ServiceClient] = OrderedDict()
         self._running: Counter[str] = Counter()
 
@@ -136,7 +139,7 @@ class ServiceCalls:
             node = service.name.rpartition("/")[0]
             raise use_other_request(f"{service.name[:200]} sets parameters", f"PATCH /nodes{node[:200]}/parameters")
         if not service.reads:
-            self._listed.require(service.name)
+            self.listed.require(service.name)
 
     async def call(
         self,

@@ -40,11 +40,11 @@ from dock_gateway.extensions.foxglove.publications import FoxglovePublications
 from dock_gateway.extensions.foxglove.services import FoxgloveServices
 from dock_gateway.extensions.foxglove.subscriptions import FoxgloveSubscriptions
 from dock_gateway.graph.cache import GraphCache
+from dock_gateway.graph.publishing import Publishing
 from dock_gateway.http.bodies import read_fields
 from dock_gateway.http.edge.websocket import frame_writer
 from dock_gateway.http.parts import Parts
 from dock_gateway.operations.topics import subscribe
-from dock_gateway.settings import Settings
 from dock_gateway.streams.socket_session import Request, SocketSession
 
 log = logging.getLogger(__name__)
@@ -86,7 +86,7 @@ class FoxgloveSession(SocketSession):
             await self._parameters.close()
 
     async def _show_graph(self) -> None:
-        publishes = self.parts[Settings].allow_publish and self.rights.grant.role.includes(Role.OPERATOR)
+        publishes = self.parts[Publishing].listed and self.rights.grant.role.includes(Role.OPERATOR)
         capabilities = [*CAPABILITIES, *(["clientPublish"] if publishes else [])]
         metadata = {"ROS_DISTRO": os.environ.get("ROS_DISTRO", "jazzy")}
         await self._send(protocol.server_info(capabilities, metadata, SESSION))
