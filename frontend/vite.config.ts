@@ -1,5 +1,6 @@
 import react from "@vitejs/plugin-react";
 import { defineConfig } from "vitest/config";
+import openapi from "./openapi.json" with { type: "json" };
 import { precompress } from "./precompress.ts";
 
 const gateway = process.env.DOCK_GATEWAY_URL ?? "http://127.0.0.1:8000";
@@ -7,27 +8,8 @@ const gateway = process.env.DOCK_GATEWAY_URL ?? "http://127.0.0.1:8000";
 // time that is not converted shows; TZ chooses another one.
 if (process.env.VITEST) Object.assign(process.env, { LC_ALL: "en_US", TZ: process.env.TZ ?? "Asia/Kolkata" });
 
-const apiPaths = [
-  "/dock",
-  "/undock",
-  "/stop",
-  "/battery",
-  "/goals",
-  "/robots",
-  "/alerts",
-  "/actions",
-  "/interfaces",
-  "/graph",
-  "/extensions",
-  "/simulator",
-  "/session",
-  "/tokens",
-  "/healthz",
-  "/readyz",
-  "/docs",
-  "/openapi.json",
-  "/asyncapi.json",
-];
+const first = (path: string) => `/${path.split("/")[1]}`;
+const apiPaths = new Set([...Object.keys(openapi.paths).map(first), "/docs", "/openapi.json", "/asyncapi.json"]);
 
 export default defineConfig({
   plugins: [react(), precompress()],
@@ -35,7 +17,7 @@ export default defineConfig({
   server: {
     // The Host header is passed on as it is, so that the gateway's check of the Origin holds here too.
     proxy: {
-      ...Object.fromEntries(apiPaths.map((path) => [path, { target: gateway }])),
+      ...Object.fromEntries([...apiPaths].map((path) => [path, { target: gateway }])),
       "/ws": { target: gateway, ws: true },
     },
   },

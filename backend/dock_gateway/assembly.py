@@ -7,7 +7,7 @@ from contextlib import AsyncExitStack, asynccontextmanager
 from prometheus_client import CollectorRegistry
 
 from dock_gateway.access.opening import open_access
-from dock_gateway.audit.opening import open_storage
+from dock_gateway.audit.record import RequestRecord
 from dock_gateway.audit.subjects import Subjects
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.fanout import Fanout
@@ -39,7 +39,7 @@ from dock_gateway.ros.bridge import Bridge
 from dock_gateway.settings import Settings
 from dock_gateway.stop.opening import open_stop
 from dock_gateway.stop.stop_of_all import StopOfAll
-from dock_gateway.storage import History
+from dock_gateway.storage import History, open_history
 from dock_gateway.streams.gateway_present import GatewayPresent
 from dock_gateway.streams.present import Present
 from dock_gateway.streams.queries import Includes
@@ -56,7 +56,8 @@ async def open_gateway(settings: Settings, installed: Installed, limits: GoalLim
     """
     parts = Parts({Settings: settings, Installed: installed, GoalLimits: limits})
     async with AsyncExitStack() as stack:
-        await open_storage(parts, stack)
+        parts.add(History, await stack.enter_async_context(open_history(settings)))
+        stack.callback(parts.add(RequestRecord, RequestRecord()).end_period)
         await _claim_robots(parts, stack)  # before anything of a robot is touched
         _join_ros(parts, stack)
         await open_robots(parts, stack)

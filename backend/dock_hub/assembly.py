@@ -6,7 +6,7 @@ from contextlib import AsyncExitStack, asynccontextmanager
 from prometheus_client import CollectorRegistry
 
 from dock_gateway.access.opening import open_access
-from dock_gateway.audit.opening import open_storage
+from dock_gateway.audit.record import RequestRecord
 from dock_gateway.audit.subjects import Subjects
 from dock_gateway.core.alerts import Alerts
 from dock_gateway.core.fanout import Fanout
@@ -26,7 +26,7 @@ from dock_gateway.sites.broker import Broker, BrokerOptions, open_broker
 from dock_gateway.sites.identity import Signer
 from dock_gateway.sites.subjects import HUB, inbox
 from dock_gateway.sites.tunnel.caller import Caller
-from dock_gateway.storage import History
+from dock_gateway.storage import History, open_history
 from dock_gateway.streams.present import Present
 from dock_gateway.streams.queries import Includes
 from dock_hub.collector import HubCollector
@@ -63,7 +63,8 @@ async def open_hub(settings: HubSettings, installed: Installed) -> AsyncIterator
     """
     parts = Parts({Settings: settings, Installed: installed, Share: EVERYTHING, FurtherWays: FurtherWays()})
     async with AsyncExitStack() as stack:
-        await open_storage(parts, stack)
+        parts.add(History, await stack.enter_async_context(open_history(settings)))
+        stack.callback(parts.add(RequestRecord, RequestRecord()).end_period)
         await _connect(settings, parts, stack)
         _open_sites(settings, parts, stack)
         _open_overview(settings, parts, stack)

@@ -1,8 +1,7 @@
 """One action: its goals, the operations on them, and its server's state."""
 
 import time
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable
 from typing import Any
 
 from geometry_msgs.msg import PoseStamped
@@ -11,51 +10,21 @@ from sensor_msgs.msg import BatteryState
 from dock_gateway.core.dock_adapters.adapter import DESIRED, POSE, DockAdapter
 from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.event import loss_event, system_event, utc_now
-from dock_gateway.core.fanout import Fanout
-from dock_gateway.core.goal import GoalError
-from dock_gateway.core.tasks import PendingFacts, Tasks
+from dock_gateway.core.tasks import Tasks
 from dock_gateway.goals.action_document import action_document
 from dock_gateway.goals.cancellation import Canceler
-from dock_gateway.goals.limits import LIMITS, GoalLimits
+from dock_gateway.goals.delivery import GoalDelivery
 from dock_gateway.goals.liveness import ServerState, ServerWatch
 from dock_gateway.goals.rejoining import Rejoiner
-from dock_gateway.goals.submission import BeforeSend, GoalDelivery
+from dock_gateway.goals.shared import Shared
 from dock_gateway.goals.submitter import Submitter
-from dock_gateway.goals.tracker import BeforeLost, GoalTracker
-from dock_gateway.latch.interlock import Interlock
+from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.ros.action_port import ActionPort
 from dock_gateway.ros.listener import Unread
 from dock_gateway.ros.messages.codec import codec
-from dock_gateway.settings import Settings
-from dock_gateway.storage import History
 
 # Seconds after which an action that is off the graph is removed. A restart takes less.
 FORGET_AFTER = 10.0
-
-
-@dataclass(frozen=True)
-class Shared:
-    """What the actions of a gateway share.
-
-    Attributes:
-        settings: Names and deadlines.
-        fanout: Receives events.
-        history: Stores goals.
-        reasons: Why goals were rejected or aborted.
-        interlock: The latched stops.
-        limits: How long to wait for what is not yet known of goals.
-        before_send: Called and awaited before each goal is sent; what it raises refuses the goal.
-        before_lost: Called with a goal that is about to be lost.
-    """
-
-    settings: Settings
-    fanout: Fanout
-    history: History
-    reasons: PendingFacts[GoalError]
-    interlock: Interlock
-    limits: GoalLimits = LIMITS
-    before_send: Iterable[BeforeSend] = ()
-    before_lost: Iterable[BeforeLost] = ()
 
 
 class Action:
@@ -105,16 +74,7 @@ class Action:
         )
         self.watch = ServerWatch(self.tracker, settings, self._publish_server, ping_idle=ping_idle, limits=limits)
         self.canceler = Canceler(settings, self.tracker, shared.interlock, limits)
-        self.delivery = GoalDelivery(
-            settings,
-            history,
-            self.tracker,
-            self.watch,
-            shared.reasons,
-            interlock=shared.interlock,
-            canceler=self.canceler,
-            before_send=shared.before_send,
-        )
+        self.delivery = GoalDelivery(shared, self.tracker, self.watch, self.canceler)
         self.submitter = Submitter(settings, history, self.tracker, self.delivery)
         self._tasks = Tasks(f"monitoring {self.name}")
         self._tasks.spawn(self.watch.run())

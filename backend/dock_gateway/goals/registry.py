@@ -17,14 +17,14 @@ from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.listeners import Hooks, Listeners
 from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import PendingFacts
-from dock_gateway.goals.action import FORGET_AFTER, Action, Shared
+from dock_gateway.goals.action import FORGET_AFTER, Action
 from dock_gateway.goals.action_document import Uninstalled
 from dock_gateway.goals.goal_machine import GoalMachine, News
 from dock_gateway.goals.goal_publisher import GoalPublisher
 from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.liveness import ServerState
 from dock_gateway.goals.robot_actions import RobotActions
-from dock_gateway.goals.submission import BeforeSend
+from dock_gateway.goals.shared import BeforeSend, Shared
 from dock_gateway.goals.tracker import BeforeLost, about_to_be_lost
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.registry import RobotRegistry

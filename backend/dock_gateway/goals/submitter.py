@@ -7,7 +7,7 @@ from typing import Any
 from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.goals.submission import GoalDelivery, KeyClaim, outcome
+from dock_gateway.goals.delivery import GoalDelivery, KeyClaim, outcome
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.settings import Settings
 from dock_gateway.storage import History, fingerprint_of

@@ -13,7 +13,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import Range
 
-from dock_gateway.core.event import Event, moment, scene_event
+from dock_gateway.core.event import moment, scene_event
 from dock_gateway.core.footprint import footprint_document
 from dock_gateway.core.scene import BASE, FOOTPRINT_FRAMES, ODOM, PLACED_FOR, WORLD, EvenRate, Pose, Scene, SeenPose
 from dock_gateway.ros.listener import Handler
@@ -39,7 +39,6 @@ TRUTH, ODOMETRY, DOCK = "ground_truth", "odom", "true_dock_pose"
 
 # Only the newest message counts.
 LATEST = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT, durability=DurabilityPolicy.VOLATILE)
-OnScene = Callable[[Event], None]
 OnOdometry = Callable[[Odometry, dict[str, Any]], None]
 OnPoses = Callable[[str, dict[str, Any], int], None]
 

@@ -2,7 +2,10 @@
 
 import math
 
+import numpy as np
+
 from docking.core.geometry import Pose, yaw_of
+from robot_io.laser import Points
 from robot_io.transform import Transform, turn
 
 STEEP = 0.5
@@ -41,3 +44,9 @@ def tilt(roll: float, pitch: float) -> Transform:
     """
     about_y, about_x = turn((0.0, 1.0, 0.0), pitch), turn((1.0, 0.0, 0.0), roll)
     return Transform(rotation=about_y).compose(Transform(rotation=about_x))
+
+
+def place(points: Points, frame: Pose) -> Points:
+    """Points of a frame, in the frame that the frame's pose is given in."""
+    cos, sin = math.cos(frame.theta), math.sin(frame.theta)
+    return np.asarray(points @ np.array(((cos, sin), (-sin, cos))) + (frame.x, frame.y))

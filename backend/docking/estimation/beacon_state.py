@@ -70,11 +70,6 @@ class BeaconState:
         return float(self._mean[AXIS] - self._mean[THETA])
 
     @property
-    def turn_scale(self) -> float:
-        """The angle that the robot turns for each rad of odometry."""
-        return float(self._mean[TURN])
-
-    @property
     def plausible(self) -> bool:
         """Whether odometry is not worse than it can be."""
         scale, curve = self._receivers.infrared_scale_error, self._receivers.infrared_curve_error

@@ -8,9 +8,9 @@ from docking.core.errors import Obstructed, ScanLost
 from docking.core.footprint import Footprint
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Velocity
+from docking.core.transform import place
 from docking.estimation.clearance import Clearance
 from docking.estimation.repetition import RepeatedScan
-from docking.estimation.scan import place
 from docking.parameters import CollisionSettings, ServerSettings
 from robot_io.laser import NOWHERE, Points
 

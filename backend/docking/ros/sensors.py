@@ -16,8 +16,7 @@ from sensor_msgs.msg import JointState, LaserScan, Range
 from docking.core.battery import BatteryReading
 from docking.core.geometry import Pose
 from docking.core.observation import InfraredReading, Joint, MarkerDetection, Observation, Odometry, Scan, Velocity
-from docking.core.transform import pose_of, spatial
-from docking.estimation.scan import place
+from docking.core.transform import place, pose_of, spatial
 from docking.estimation.track import Track
 from docking.parameters import DockPlace
 from docking.ros import localization

@@ -23,7 +23,7 @@ from docking.core.observation import (
     Scan,
     Velocity,
 )
-from docking.estimation.scan import place
+from docking.core.transform import place
 from docking.estimation.track import Track
 from docking.simulation.battery import BatteryMeasurement, BatteryPack
 from docking.simulation.box import Box
@@ -241,11 +241,6 @@ class Simulation:
     def detection(self) -> tuple[float, Pose] | None:
         """The last of `detections`."""
         return self.detections[-1] if self.detections else None
-
-    @property
-    def sighting(self) -> Sighting | None:
-        """The last of `sightings`."""
-        return self.sightings[-1] if self.sightings else None
 
     @property
     def obstacles(self) -> tuple[Obstacle, ...]:

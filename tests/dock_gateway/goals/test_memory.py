@@ -17,8 +17,9 @@ from dock_gateway.core.event import utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, ResultAnswer
 from dock_gateway.core.tasks import PendingFacts
-from dock_gateway.goals.action import Action, Shared
+from dock_gateway.goals.action import Action
 from dock_gateway.goals.limits import GoalLimits
+from dock_gateway.goals.shared import Shared
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
 from dock_gateway.ros.action_port import CancelAnswer

@@ -13,8 +13,9 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.cancellation import Canceler
+from dock_gateway.goals.delivery import GoalDelivery
 from dock_gateway.goals.goal_machine import GoalMachine
-from dock_gateway.goals.submission import GoalDelivery
+from dock_gateway.goals.shared import Shared
 from dock_gateway.goals.submitter import Submitter
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.latch.interlock import Interlock
@@ -78,13 +79,10 @@ class Scene:
         self.reasons: PendingFacts[GoalError] = PendingFacts(0.01)
         canceler = Canceler(settings, self.tracker, self.interlock)
         delivery = GoalDelivery(
-            settings,
-            self.history,
+            Shared(settings, fanout, self.history, self.reasons, self.interlock),
             self.tracker,
             FakeWatch(),  # type: ignore[arg-type]
-            self.reasons,
-            interlock=self.interlock,
-            canceler=canceler,
+            canceler,
         )
         self.submitter = Submitter(settings, self.history, self.tracker, delivery)
         self.delivery = delivery

@@ -19,9 +19,10 @@ from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalStatus, ResultAnswer
 from dock_gateway.core.tasks import PendingFacts
-from dock_gateway.goals.action import Action, Shared
+from dock_gateway.goals.action import Action
 from dock_gateway.goals.goal_machine import News
 from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.goals.shared import Shared
 from dock_gateway.latch import interlock as latching
 from dock_gateway.ros.action_link import ServerPresence
 from dock_gateway.ros.action_port import CancelAnswer

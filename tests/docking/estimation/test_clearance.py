@@ -10,9 +10,8 @@ from hypothesis import strategies as st
 from docking.core.footprint import round_footprint
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Velocity
-from docking.core.transform import spatial
+from docking.core.transform import place, spatial
 from docking.estimation.clearance import STEP, Clearance
-from docking.estimation.scan import place
 from robot_io.laser import NOWHERE, flatten, points_of
 from robot_io.transform import Transform, turn
 

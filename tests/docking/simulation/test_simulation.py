@@ -205,8 +205,8 @@ def test_pictures_come_fifteen_times_a_second() -> None:
     stamps = set()
     for _ in range(500):
         simulation.step()
-        assert simulation.sighting is not None
-        stamps.add(simulation.sighting.stamp)
+        assert simulation.sightings
+        stamps.add(simulation.sightings[-1].stamp)
     assert len(stamps) == pytest.approx(150, abs=1)
 
 
@@ -392,10 +392,10 @@ def test_an_obstacle_stops_the_robot_and_counts_as_a_bump() -> None:
 def test_the_fault_obstacle_stands_in_front_of_the_dock() -> None:
     simulation = Simulation(replace(EXACT, start=Pose(-1.2)))
     simulation.run(0.2)
-    seen = simulation.sighting
+    seen = simulation.sightings[-1]
     simulation.set_fault(Fault.OBSTACLE, True)
     simulation.run(0.5)
-    assert simulation.sighting == seen
+    assert simulation.sightings[-1] == seen
     drive(simulation, 5.0, 0.2)
     assert simulation.robot.x < -0.7
 
@@ -414,8 +414,8 @@ def test_the_fault_wrong_detections_moves_a_third_of_them() -> None:
     seen = set()
     for _ in range(1000):
         simulation.step()
-        assert simulation.sighting is not None
-        seen.add(simulation.sighting)
+        assert simulation.sightings
+        seen.add(simulation.sightings[-1])
     wrong = sum(sighting.marker.distance_to(Pose(0.8)) > 0.001 for sighting in seen)
     assert wrong / len(seen) == pytest.approx(1.0 / 3.0, abs=0.08)
 

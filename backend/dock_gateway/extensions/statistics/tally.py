@@ -8,7 +8,7 @@ import asyncio
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from datetime import datetime, timedelta
+from datetime import datetime
 from typing import Any
 
 import numpy as np
@@ -26,7 +26,6 @@ Span = tuple[datetime, datetime]
 Durations = npt.NDArray[np.float64]
 
 PIECE = 100_000  # characters
-_MILLISECOND = timedelta(milliseconds=1)
 
 
 @dataclass

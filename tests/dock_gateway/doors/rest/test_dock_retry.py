@@ -10,10 +10,11 @@ from dock_gateway.core.access import ANYBODY, Principal
 from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.core.request import PERMIT
 from dock_gateway.doors.rest.sent_goals import DOCK, GoalsAt, routes_of
+from dock_gateway.goals.delivery import GoalDelivery
 from dock_gateway.goals.docking_hints import DockingHints
 from dock_gateway.goals.goal_machine import News
 from dock_gateway.goals.registry import ActionRegistry
-from dock_gateway.goals.submission import GoalDelivery
+from dock_gateway.goals.shared import Shared
 from dock_gateway.http.parts import Parts
 from dock_gateway.settings import Settings
 from tests.support.history import make_goal
@@ -33,7 +34,7 @@ class FakeAction:
         interlock: Any = SimpleNamespace(holds=lambda _: False)
         canceler: Any = SimpleNamespace(stop=lambda: None)
         self.delivery = GoalDelivery(
-            Settings(), nothing, tracker, nothing, nothing, interlock=interlock, canceler=canceler
+            Shared(Settings(), nothing, nothing, nothing, interlock), tracker, nothing, canceler
         )
         self.submitter = self
         self.server = server

@@ -10,7 +10,7 @@ from cryptography.hazmat.primitives import serialization
 from dock_gateway.http.edge.certificates import CertificateError, Certificates, load_certificates
 from dock_gateway.settings import Settings
 from tests.support.certificates import Authority, Pair
-from tests.support.waiting import PATIENCE
+from tests.support.waiting import until
 
 
 @pytest.fixture
@@ -112,7 +112,5 @@ async def test_files_are_watched(pair: Pair, authority: Authority) -> None:
     before = certificates.context
     watching = asyncio.create_task(certificates.watch())
     authority.issue("new", into=pair)
-    async with asyncio.timeout(PATIENCE):
-        while certificates.context is before:  # noqa: ASYNC110 - it has no event for that
-            await asyncio.sleep(0.01)
+    await until(lambda: certificates.context is not before)
     watching.cancel()

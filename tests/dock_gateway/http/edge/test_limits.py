@@ -1,6 +1,5 @@
 """Who may connect: the limits, the reserve, and connections that never end by themselves."""
 
-import asyncio
 import resource
 from collections.abc import Iterator
 
@@ -9,6 +8,7 @@ import pytest
 from dock_gateway.http.edge import limits as edge_limits
 from dock_gateway.http.edge.limits import OTHER_FILES, ConnectionLimits, Priority, raise_file_limit
 from dock_gateway.settings import Settings
+from tests.support.waiting import until
 
 
 class Connection:
@@ -109,7 +109,5 @@ async def test_who_never_reads_the_rest_is_dropped() -> None:
     limits = limit(40)
     (connection,) = fill(limits, 1)
     connection.stuck = True
-    async with asyncio.timeout(5):
-        while not connection.dropped:  # noqa: ASYNC110 - it has no event for that
-            await asyncio.sleep(0.01)
+    await until(lambda: connection.dropped)
     limits.release(connection)

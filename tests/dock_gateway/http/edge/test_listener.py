@@ -9,6 +9,7 @@ from collections.abc import Iterator
 import pytest
 
 from dock_gateway.http.edge.listener import Opener, PortListener
+from tests.support.waiting import until
 
 
 class Counter(asyncio.Protocol):
@@ -63,9 +64,7 @@ async def test_it_goes_on_after_the_files_were_used_up(file_limit: None, caplog:
         assert not turns
         assert "no connection can be accepted" in caplog.text
         resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
-        async with asyncio.timeout(10):
-            while not turns:  # noqa: ASYNC110 - it has no event for that
-                await asyncio.sleep(0.01)
+        await until(lambda: bool(turns))
     listener.close()
 
 

@@ -2,7 +2,7 @@
 
 import asyncio
 import time
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager, suppress
 from typing import Any
 
@@ -18,6 +18,7 @@ from dock_gateway.http.edge import connection
 from dock_gateway.http.edge import websocket as edge_websocket
 from tests.dock_gateway.http.edge.test_http import code, hello
 from tests.support.edge import HOST, Edge, serving
+from tests.support.waiting import until
 
 UPGRADE = b"Connection: Upgrade\r\nUpgrade: websocket\r\n"
 KEY = b"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n"
@@ -194,12 +195,6 @@ async def test_pongs_that_are_not_read_are_not_kept() -> None:
         async with asyncio.timeout(10):
             while b"the last one" not in await reader.read(65_536):
                 pass
-
-
-async def until(holds: Callable[[], bool]) -> None:
-    async with asyncio.timeout(10):
-        while not holds():  # noqa: ASYNC110 - it has no event for that
-            await asyncio.sleep(0.01)
 
 
 async def test_the_loop_turns_between_messages() -> None:

@@ -15,8 +15,9 @@ from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import UNCONFIRMED, Goal, GoalError, GoalStatus
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.cancellation import TOO_LATE, Canceler
+from dock_gateway.goals.delivery import STOPPED_ON_ITS_WAY, GoalDelivery, KeyClaim, outcome
 from dock_gateway.goals.goal_machine import GoalMachine
-from dock_gateway.goals.submission import STOPPED_ON_ITS_WAY, GoalDelivery, KeyClaim, outcome
+from dock_gateway.goals.shared import Shared
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.settings import Settings
@@ -87,14 +88,10 @@ class Scene:
         self.refusal: NotAllowed | None = None
         self.canceler = Canceler(self.settings, self.tracker, self.interlock)
         self.delivery = GoalDelivery(
-            self.settings,
-            self.history,
+            Shared(self.settings, fanout, self.history, self.reasons, self.interlock, before_send=[self.allow]),
             self.tracker,
             self.watch,
-            self.reasons,
-            interlock=self.interlock,
-            canceler=self.canceler,
-            before_send=[self.allow],
+            self.canceler,
         )
 
     async def allow(self, sender: Principal, action_name: str, goal: bytes) -> None:

@@ -2,7 +2,7 @@
 
 import asyncio
 import uuid
-from collections.abc import Awaitable, Callable, Iterable
+from collections.abc import Awaitable, Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Any
@@ -10,20 +10,14 @@ from typing import Any
 from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, Unavailable
 from dock_gateway.core.event import utc_now
-from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Json, Origin
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Origin
 from dock_gateway.core.request import act, hold
-from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.cancellation import TOO_LATE, Canceler
 from dock_gateway.goals.goal_machine import GoalMachine, News
 from dock_gateway.goals.liveness import ServerWatch
+from dock_gateway.goals.shared import Shared
 from dock_gateway.goals.tracker import GoalTracker
-from dock_gateway.latch.interlock import Interlock
 from dock_gateway.ros.bridge import PendingCall
-from dock_gateway.settings import Settings
-from dock_gateway.storage import History
-
-# Waits until a goal may be sent, or raises why it may not: given who sends it, its action and its message.
-BeforeSend = Callable[[Principal, str, Json], Awaitable[None]]
 
 # Rejection codes that are passed on from an action server; any other becomes `goal_rejected`.
 KNOWN_REJECTIONS = ("dock_busy", "stop_latched")
@@ -42,40 +36,21 @@ class GoalDelivery:
     """Delivers the goals of one action.
 
     Args:
-        settings: Deadlines.
-        history: Stores goals.
+        shared: What all actions share.
         tracker: The goals of the action.
         watch: Whether it has a server.
-        reasons: Why goals were rejected.
-        interlock: The latched stops.
         canceler: Cancels goals that a stop has overtaken.
-        before_send: Called with every goal that is sent through the gateway, before it is stored.
 
     Attributes:
         stops: Number of stops requested.
         unanswered: The requests of goals that were given up, by the goals' ids.
     """
 
-    def __init__(
-        self,
-        settings: Settings,
-        history: History,
-        tracker: GoalTracker,
-        watch: ServerWatch,
-        reasons: PendingFacts[GoalError],
-        *,
-        interlock: Interlock,
-        canceler: Canceler,
-        before_send: Iterable[BeforeSend] = (),
-    ) -> None:
-        self._settings = settings
-        self._history = history
+    def __init__(self, shared: Shared, tracker: GoalTracker, watch: ServerWatch, canceler: Canceler) -> None:
+        self._shared = shared
         self._tracker = tracker
         self._watch = watch
-        self._reasons = reasons
-        self._interlock = interlock
         self._canceler = canceler
-        self._before_send = before_send
         self.stops = 0
         self.unanswered: dict[str, PendingCall] = {}
         tracker.on[News.RETIRED].append(self._forget)
@@ -96,7 +71,7 @@ class GoalDelivery:
         Raises:
             Conflict: `stopped`.
         """
-        if self.stops != stops or self._interlock.holds(self._tracker.port.action_name):
+        if self.stops != stops or self._shared.interlock.holds(self._tracker.port.action_name):
             raise Conflict(STOPPED_ON_ITS_WAY, code="stopped", **extra)
 
     def start(
@@ -129,7 +104,7 @@ class GoalDelivery:
             TooManyRequests: Too many goals of the user wait for an answer, or of all users together.
         """
         action_name = self._tracker.port.action_name
-        self._interlock.require_released(action_name)
+        self._shared.interlock.require_released(action_name)
         stops = self.stops if stops is None else stops
         place = ExitStack()
         place.enter_context(hold("goals", of=action_name))
@@ -149,7 +124,7 @@ class GoalDelivery:
         await self._watch.require()
         self._act(sender)  # also right before it is sent; but then a goal that was refused is stored
         if sender is not None:
-            for wait in self._before_send:
+            for wait in self._shared.before_send:
                 await wait(sender, port.action_name, port.encode_goal(message))
         origin: Origin = "automation" if sender is None else "gateway"
         goal = again or self._tracker.new_goal(str(uuid.uuid4()), utc_now(), origin)
@@ -157,7 +132,7 @@ class GoalDelivery:
             goal.goal = port.encode_goal(message)
             if claim is not None and (first := await claim.take(goal)):
                 return first
-            await self._history.add(goal, claim.key if claim else None)
+            await self._shared.history.add(goal, claim.key if claim else None)
         else:
             self._canceler.allow(goal)
         self._tracker.apply(GoalMachine.add, goal)
@@ -181,7 +156,7 @@ class GoalDelivery:
 
     async def _take_answer(self, goal: Goal, call: PendingCall) -> None:
         try:
-            async with asyncio.timeout(self._settings.accept_timeout):
+            async with asyncio.timeout(self._shared.settings.accept_timeout):
                 response = await asyncio.shield(call.response)
         except TimeoutError:
             self._give_up(goal, call)
@@ -189,7 +164,7 @@ class GoalDelivery:
         self._tracker.heard()
         if response.accepted:
             self._accept(goal, response)
-            await self._history.seal(goal, [])  # a gateway killed after its answer then knows that the goal runs
+            await self._shared.history.seal(goal, [])  # a gateway killed after its answer then knows that the goal runs
         else:
             await self._reject(goal)
 
@@ -198,7 +173,7 @@ class GoalDelivery:
 
     async def _reject(self, goal: Goal) -> None:
         busy_with = self._busy_with()
-        reason = await self._reasons.of(goal.goal_id)
+        reason = await self._shared.reasons.of(goal.goal_id)
         if reason is not None:
             code = reason.code if reason.code in KNOWN_REJECTIONS else "goal_rejected"
             error = GoalError(code, reason.detail)
@@ -220,7 +195,9 @@ class GoalDelivery:
             return
         self._canceler.mark_unwanted(goal, TOO_LATE)
         self.unanswered[goal.goal_id] = call
-        detail = f"the action server did not accept or reject the goal within {self._settings.accept_timeout:g} s"
+        detail = (
+            f"the action server did not accept or reject the goal within {self._shared.settings.accept_timeout:g} s"
+        )
         self._tracker.lose(goal, GoalError("action_server_timeout", detail))
 
         def answered(response: "asyncio.Future[Any]") -> None:

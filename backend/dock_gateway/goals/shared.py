@@ -1,0 +1,42 @@
+"""What the actions of a gateway share."""
+
+from collections.abc import Awaitable, Callable, Iterable
+from dataclasses import dataclass
+
+from dock_gateway.core.access import Principal
+from dock_gateway.core.fanout import Fanout
+from dock_gateway.core.goal import GoalError, Json
+from dock_gateway.core.tasks import PendingFacts
+from dock_gateway.goals.limits import LIMITS, GoalLimits
+from dock_gateway.goals.tracker import BeforeLost
+from dock_gateway.latch.interlock import Interlock
+from dock_gateway.settings import Settings
+from dock_gateway.storage import History
+
+# Waits until a goal may be sent, or raises why it may not: given who sends it, its action and its message.
+BeforeSend = Callable[[Principal, str, Json], Awaitable[None]]
+
+
+@dataclass(frozen=True)
+class Shared:
+    """What the actions of a gateway share.
+
+    Attributes:
+        settings: Names and deadlines.
+        fanout: Receives events.
+        history: Stores goals.
+        reasons: Why goals were rejected or aborted.
+        interlock: The latched stops.
+        limits: How long to wait for what is not yet known of goals.
+        before_send: Called and awaited before each goal is sent; what it raises refuses the goal.
+        before_lost: Called with a goal that is about to be lost.
+    """
+
+    settings: Settings
+    fanout: Fanout
+    history: History
+    reasons: PendingFacts[GoalError]
+    interlock: Interlock
+    limits: GoalLimits = LIMITS
+    before_send: Iterable[BeforeSend] = ()
+    before_lost: Iterable[BeforeLost] = ()
