@@ -9,7 +9,12 @@ const gateway = process.env.DOCK_GATEWAY_URL ?? "http://127.0.0.1:8000";
 if (process.env.VITEST) Object.assign(process.env, { LC_ALL: "en_US", TZ: process.env.TZ ?? "Asia/Kolkata" });
 
 const first = (path: string) => `/${path.split("/")[1]}`;
-const apiPaths = new Set([...Object.keys(openapi.paths).map(first), "/docs", "/openapi.json", "/asyncapi.json"]);
+const apiPaths = new Set([
+  ...Object.keys(openapi.paths).map(first),
+  "/docs",
+  "/openapi.json",
+  "/asyncapi.json",
+]);
 
 export default defineConfig({
   plugins: [react(), precompress()],
