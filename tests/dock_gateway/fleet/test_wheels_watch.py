@@ -2,7 +2,6 @@
 
 import asyncio
 import time
-from collections.abc import AsyncIterator
 from random import Random
 from types import SimpleNamespace
 from typing import Any
@@ -14,6 +13,7 @@ from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.fleet.findings import FindingKind
 from dock_gateway.fleet.wheels_watch import WheelsWatch
 from dock_gateway.robots.wheels import Wheels
+from tests.support.virtual import VirtualLoop, in_virtual_time
 
 TIMEOUT = 0.15
 SERVER, TELEOP = b"server", b"teleop"
@@ -38,7 +38,7 @@ class Site:
 
     def __init__(self, timeout: float = TIMEOUT) -> None:
         self.port = Port()
-        self.wheels = Wheels(self.port, period=60.0)
+        self.wheels = Wheels(self.port, period=60.0, clock=lambda: time.monotonic())  # noqa: PLW0108 - virtual in some tests
         robot = SimpleNamespace(namespace="/", wheels=self.wheels)
         self.actions: Any = SimpleNamespace(
             on_sent=[], on_change=[], on_end=[], on_lost=[], before_lost=[], verb_of={"/dock": "dock"}.get
@@ -78,14 +78,9 @@ class Site:
             await asyncio.sleep(0.02)
 
 
-@pytest.fixture
-async def site() -> AsyncIterator[Site]:
+@in_virtual_time
+async def test_it_is_stopped_once_the_commands_end() -> None:
     site = Site()
-    yield site
-    await site.watch.close()
-
-
-async def test_it_is_stopped_once_the_commands_end(site: Site) -> None:
     goal = site.goal()
     await site.command(0.4)
     assert site.port.zeros == 0
@@ -98,7 +93,9 @@ async def test_it_is_stopped_once_the_commands_end(site: Site) -> None:
     assert site.watch.findings == []
 
 
-async def test_a_false_alarm_ends_when_the_commands_go_on(site: Site) -> None:
+@in_virtual_time
+async def test_a_false_alarm_ends_when_the_commands_go_on() -> None:
+    site = Site()
     site.goal()
     await site.command(0.1)
     await asyncio.sleep(3 * TIMEOUT)
@@ -107,7 +104,9 @@ async def test_a_false_alarm_ends_when_the_commands_go_on(site: Site) -> None:
     assert site.watch.findings == []
 
 
-async def test_a_robot_that_was_told_to_stand_needs_no_commands(site: Site) -> None:
+@in_virtual_time
+async def test_a_robot_that_was_told_to_stand_needs_no_commands() -> None:
+    site = Site()
     site.goal()
     await site.command(0.1)
     await site.command(0.02, motion=False)
@@ -115,21 +114,27 @@ async def test_a_robot_that_was_told_to_stand_needs_no_commands(site: Site) -> N
     assert site.port.zeros == 0
 
 
-async def test_another_one_who_drives_is_left_alone(site: Site) -> None:
+@in_virtual_time
+async def test_another_one_who_drives_is_left_alone() -> None:
+    site = Site()
     site.goal()
     await site.command(0.1)
     await site.command(0.5, TELEOP)
     assert site.port.zeros == 0
 
 
-async def test_a_robot_that_was_never_heard_is_stopped_without_an_alert(site: Site) -> None:
+@in_virtual_time
+async def test_a_robot_that_was_never_heard_is_stopped_without_an_alert() -> None:
+    site = Site()
     site.goal()
     await asyncio.sleep(3 * TIMEOUT)
     assert site.port.zeros == 1
     assert site.watch.findings == []
 
 
-async def test_a_server_that_dies_as_its_goal_ends(site: Site) -> None:
+@in_virtual_time
+async def test_a_server_that_dies_as_its_goal_ends() -> None:
+    site = Site()
     goal = site.goal()
     await site.command(0.1)
     site.end(goal)
@@ -137,7 +142,9 @@ async def test_a_server_that_dies_as_its_goal_ends(site: Site) -> None:
     assert site.port.zeros == 1
 
 
-async def test_who_drives_after_the_goal_is_not_watched(site: Site) -> None:
+@in_virtual_time
+async def test_who_drives_after_the_goal_is_not_watched() -> None:
+    site = Site()
     goal = site.goal()
     await site.command(0.02, motion=False)
     site.end(goal)
@@ -146,7 +153,9 @@ async def test_who_drives_after_the_goal_is_not_watched(site: Site) -> None:
     assert site.port.zeros == 0
 
 
-async def test_without_a_docking_goal_nothing_is_watched(site: Site) -> None:
+@in_virtual_time
+async def test_without_a_docking_goal_nothing_is_watched() -> None:
+    site = Site()
     site.goal("/fibonacci")
     site.wheels.listen()
     await asyncio.sleep(3 * TIMEOUT)
@@ -154,7 +163,9 @@ async def test_without_a_docking_goal_nothing_is_watched(site: Site) -> None:
     assert site.watch.halt(Goal("1", "/fibonacci", "type", utc_now(), "gateway")) == ""
 
 
-async def test_it_tries_again_when_zero_cannot_be_published(site: Site) -> None:
+@in_virtual_time
+async def test_it_tries_again_when_zero_cannot_be_published() -> None:
+    site = Site()
     site.port.fails = True
     site.goal()
     await site.command(0.1)
@@ -164,7 +175,9 @@ async def test_it_tries_again_when_zero_cannot_be_published(site: Site) -> None:
     assert site.port.zeros == 1
 
 
-async def test_a_goal_that_is_lost_stops_its_robot_and_says_so(site: Site) -> None:
+@in_virtual_time
+async def test_a_goal_that_is_lost_stops_its_robot_and_says_so() -> None:
+    site = Site()
     goal = site.goal()
     await site.command(0.06)
     assert site.actions.before_lost == [site.watch.halt]
@@ -181,7 +194,9 @@ async def test_a_goal_that_is_lost_stops_its_robot_and_says_so(site: Site) -> No
 
 def stall() -> None:
     """The gateway has no turn for a while."""
-    time.sleep(3 * TIMEOUT)
+    loop = asyncio.get_running_loop()
+    assert isinstance(loop, VirtualLoop)
+    loop.stall(3 * TIMEOUT)
 
 
 async def looks() -> None:
@@ -190,7 +205,9 @@ async def looks() -> None:
         await asyncio.sleep(0)
 
 
-async def test_what_arrived_while_the_gateway_stalled_is_heard_before_it_judges(site: Site) -> None:
+@in_virtual_time
+async def test_what_arrived_while_the_gateway_stalled_is_heard_before_it_judges() -> None:
+    site = Site()
     site.goal()
     await site.command(0.04)
     site.wheels.catch_up = lambda: site.wheels.hear(True, SERVER, time.monotonic())
@@ -200,7 +217,9 @@ async def test_what_arrived_while_the_gateway_stalled_is_heard_before_it_judges(
     assert site.port.zeros == 0
 
 
-async def test_what_arrives_just_after_the_gateway_stalled_is_in_time(site: Site) -> None:
+@in_virtual_time
+async def test_what_arrives_just_after_the_gateway_stalled_is_in_time() -> None:
+    site = Site()
     site.goal()
     for _ in range(3):
         site.wheels.hear(True, SERVER, time.monotonic())
@@ -209,7 +228,9 @@ async def test_what_arrives_just_after_the_gateway_stalled_is_in_time(site: Site
     assert site.port.zeros == 0
 
 
-async def test_commands_that_wait_to_be_heard_are_as_old_as_they_are(site: Site) -> None:
+@in_virtual_time
+async def test_commands_that_wait_to_be_heard_are_as_old_as_they_are() -> None:
+    site = Site()
     site.goal()
     arrived_at = time.monotonic()
     stall()

@@ -138,8 +138,7 @@ async def test_a_goal_on_its_way_is_canceled_once_it_is_accepted(scene: Scene) -
     await scene.canceler.cancel(goal)
     scene.tracker.apply(GoalMachine.move, goal, S.ACCEPTED)
     scene.canceler.seen_again(goal)
-    await asyncio.sleep(0.05)
-    assert goal.status is S.CANCELING
+    await until(lambda: goal.status is S.CANCELING)
 
 
 async def test_a_lost_goal_is_canceled_when_it_is_back(scene: Scene) -> None:
@@ -147,8 +146,7 @@ async def test_a_lost_goal_is_canceled_when_it_is_back(scene: Scene) -> None:
     await scene.canceler.cancel(goal)
     assert scene.port.canceled == []
     scene.tracker.apply(GoalMachine.move, goal, S.EXECUTING)
-    await asyncio.sleep(0.05)
-    assert goal.status is S.CANCELING
+    await until(lambda: goal.status is S.CANCELING)
     assert goal.error is not None
 
 
@@ -172,8 +170,7 @@ async def test_a_goal_that_was_given_up(scene: Scene) -> None:
     scene.tracker.lose(goal, LOST)
     scene.port.cancel_answers = [TimeoutError(), CancelAnswer(frozenset({A}), 0)]
     scene.tracker.apply(GoalMachine.move, goal, S.ACCEPTED)  # late
-    await asyncio.sleep(0.1)
-    assert goal.status is S.CANCELING
+    await until(lambda: goal.status is S.CANCELING)
     assert goal.error == TOO_LATE
 
 
@@ -201,8 +198,7 @@ async def test_a_stop_reaches_goals_that_run_are_on_their_way_or_lost(scene: Sce
     with pytest.raises(Unavailable):
         await scene.stop()
     scene.tracker.apply(GoalMachine.move, goal, S.EXECUTING)
-    await asyncio.sleep(0.05)
-    assert goal.status is S.CANCELING
+    await until(lambda: goal.status is S.CANCELING)
     assert scene.port.canceled == [None, A]
 
 

@@ -7,7 +7,7 @@ from contextvars import Context
 from dataclasses import dataclass
 from typing import Any
 
-from tests.dock_gateway.simulation.virtual import START_NS, VirtualLoop
+from tests.support.virtual import START_NS, VirtualLoop
 
 TICK = 1e-6  # seconds between messages that keep their order
 

@@ -10,7 +10,7 @@ from dock_gateway.storage.database import Database
 from dock_gateway.storage.rows import entry_of, line_of
 from dock_gateway.storage.schema import create_tables
 from dock_gateway.storage.tables import BEGINNING, events, horizons, metadata, prepare_for
-from tests.dock_gateway.simulation.virtual import START_NS
+from tests.support.virtual import START_NS
 
 
 class Disk:

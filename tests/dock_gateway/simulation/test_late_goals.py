@@ -8,7 +8,7 @@ import os
 import pytest
 
 from tests.dock_gateway.simulation.late_goals import LateGoals, Troubles
-from tests.dock_gateway.simulation.virtual import run
+from tests.support.virtual import run
 
 SEEDS = int(os.environ.get("SIMULATION_SEEDS", "60"))
 ONLY = os.environ.get("SIMULATION_SEED")

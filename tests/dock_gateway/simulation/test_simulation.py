@@ -19,8 +19,8 @@ from tests.dock_gateway.simulation.chance import Faults
 from tests.dock_gateway.simulation.database import Disk
 from tests.dock_gateway.simulation.gateway import simulated
 from tests.dock_gateway.simulation.sites_world import SitesWorld
-from tests.dock_gateway.simulation.virtual import run
 from tests.dock_gateway.simulation.world import World
+from tests.support.virtual import run
 
 WorldT = TypeVar("WorldT", bound=World)
 

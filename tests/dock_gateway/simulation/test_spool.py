@@ -11,8 +11,8 @@ from dock_gateway.core.goal import GoalStatus
 from dock_gateway.storage import History
 from tests.dock_gateway.simulation.database import Disk, SimulatedDatabase, SimulatedSpool
 from tests.dock_gateway.simulation.gateway import FOREVER, simulated
-from tests.dock_gateway.simulation.virtual import run
 from tests.support.history import make_event, make_goal
+from tests.support.virtual import run
 
 
 class CountingSpool(SimulatedSpool):

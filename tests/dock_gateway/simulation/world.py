@@ -17,7 +17,7 @@ from tests.dock_gateway.simulation.gateway import ACTIONS, Gateway
 from tests.dock_gateway.simulation.process import Process, noted
 from tests.dock_gateway.simulation.reader import Reader
 from tests.dock_gateway.simulation.server import ActionServer
-from tests.dock_gateway.simulation.virtual import START_NS
+from tests.support.virtual import START_NS
 
 
 class World:

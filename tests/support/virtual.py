@@ -3,11 +3,13 @@
 import asyncio
 import selectors
 import time
-from collections.abc import Coroutine, Iterator
+from collections.abc import Callable, Coroutine, Iterator
 from contextlib import contextmanager
-from typing import Any, TypeVar
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
 from unittest.mock import patch
 
+P = ParamSpec("P")
 T = TypeVar("T")
 
 START_NS = 1_700_000_000_000_000_000  # when the simulated time begins: the past for all that reads the real clock
@@ -37,6 +39,10 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         """Return the virtual time."""
         return self._virtual.now
 
+    def stall(self, seconds: float) -> None:
+        """Let time pass in which nothing has a turn."""
+        self._virtual.now += seconds
+
     def time_ns(self) -> int:
         """Return the virtual time, in nanoseconds since 1970."""
         return START_NS + round(self._virtual.now * 1e9)
@@ -65,3 +71,13 @@ def run(work: Coroutine[Any, Any, T]) -> T:
             if left:
                 loop.run_until_complete(asyncio.gather(*left, return_exceptions=True))
             loop.close()
+
+
+def in_virtual_time(test: Callable[P, Coroutine[Any, Any, None]]) -> Callable[P, None]:
+    """Let time pass in a test as fast as it can: no machine is too busy for it. Its fixtures are made outside."""
+
+    @wraps(test)
+    def tested(*args: P.args, **kwargs: P.kwargs) -> None:
+        run(test(*args, **kwargs))
+
+    return tested
