@@ -31,7 +31,7 @@ async def test_goals_that_ended_before_we_came_get_their_result_too(scene: Scene
     await asyncio.sleep(0)
     scene.port.answer_result(A, S.SUCCEEDED, b'{"n":9}')
     async with asyncio.timeout(PATIENCE):
-        while (b := await scene.history.get(B)) is None or b.error is None:  # it is given up
+        while (b := await scene.history.get(B)) is None or b.error is None:  # noqa: ASYNC110 - it has no event for that
             await asyncio.sleep(0.01)
     a = await scene.history.get(A)
     assert a is not None
