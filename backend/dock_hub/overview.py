@@ -19,7 +19,9 @@ from dock_gateway.core.listeners import Hooks, Listeners
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.core.narrowing import narrow_alerts, narrow_approvals, narrow_robots
 from dock_gateway.core.tasks import Tasks
+from dock_gateway.core.versions import UNCONDITIONAL, Condition
 from dock_gateway.fleet import alert_kinds
+from dock_gateway.fleet.acknowledgements import acknowledge
 from dock_gateway.fleet.alert import Acknowledgement, Alert
 from dock_gateway.goals.goals import Goals
 from dock_gateway.sites.names import site_grant
@@ -157,13 +159,18 @@ class Overview:
         """Return whether an alert is one of the hub itself, and not of a site."""
         return alert_id in self._own
 
-    async def acknowledge(self, alert_id: str, by: str | None) -> Document:
-        """Acknowledge an alert of the hub itself, or withdraw that with None; return the alert."""
+    async def acknowledge(self, alert_id: str, by: str | None, condition: Condition = UNCONDITIONAL) -> Document:
+        """Acknowledge an alert of the hub itself, or withdraw that with None; return the alert.
+
+        Raises:
+            ChangedMeanwhile: It has not the version of the condition.
+            Unavailable: There is a condition, and the history does not answer (`history_unavailable`).
+        """
+        alert = self._own[alert_id]
         acknowledgement = None if by is None else Acknowledgement(by, utc_now())
-        self._acknowledgements.put(alert_id, acknowledgement)
-        await self._acknowledgements.save()
+        await acknowledge(self._acknowledgements, alert, acknowledgement, condition)
         self._publish_alerts()
-        return self._document(self._own[alert_id])
+        return self._document(alert)
 
     def _document(self, alert: Alert) -> Document:
         site = None if alert.robot is None else alert.robot[1:]

@@ -1,6 +1,6 @@
 """The API of the hub itself: its sites, and what spans all of them."""
 
-from typing import Annotated
+from typing import Annotated, cast
 
 from fastapi import APIRouter, Path, Request
 from starlette.responses import Response
@@ -12,22 +12,24 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
+from dock_gateway.core.versions import Condition
 from dock_gateway.fleet.schema import AcknowledgementBody
 from dock_gateway.http.bodies import SignedBody
 from dock_gateway.http.operation import Scope, carries_out, operation, public_operation
 from dock_gateway.http.parts import AllParts, Part, Parts
 from dock_gateway.http.principal import TheGrant, principal_of
 from dock_gateway.http.requests import Answer, RobotQuery, json_response
+from dock_gateway.http.resource import ChangeCondition, Item, item_response, removed
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.sites.broker import Broker
 from dock_gateway.sites.names import site_grant
 from dock_gateway.sites.tunnel.failures import SiteFailed
 from dock_gateway.storage import History
-from dock_hub.fields import ForeignDocumentError
+from dock_hub.fields import Document, ForeignDocumentError
 from dock_hub.overview import Overview
 from dock_hub.renaming import read_alerts
 from dock_hub.schema import HubHealth, HubReadiness, SiteAlert, SiteAlertList, SiteInfo, SiteList, SiteRobotList
-from dock_hub.site_client import SiteRequest
+from dock_hub.site_client import JSON, SiteRequest
 from dock_hub.sites import Sites
 from dock_hub.stops import Stops
 
@@ -87,21 +89,34 @@ async def list_alerts(overview: Part[Overview], grant: TheGrant) -> Answer[SiteA
     return json_response({"alerts": overview.documents(grant)})
 
 
+@router.get("/alerts/{alert_id}", tags=["Alerts"])
+@operation(Role.VIEWER, Scope.ALERT)
+async def get_alert(alert_id: AlertId, overview: Part[Overview], grant: TheGrant) -> Item[SiteAlert]:
+    """Return an active alert. Its version changes with its acknowledgement."""
+    return item_response(overview.get(alert_id, grant))
+
+
 @operation(Role.OPERATOR, Scope.ALERT, errors=(504,))
-async def acknowledge_alert(alert_id: str, request: Request, parts: Parts, by: str | None) -> Response:
+async def acknowledge_alert(
+    alert_id: str, request: Request, parts: Parts, by: str | None, condition: Condition
+) -> Response:
     """Acknowledge an alert, or with `by` None withdraw that: one of a site at that site, as its user."""
     overview, principal = parts[Overview], principal_of(request)
     alert = overview.get(alert_id, principal.grant)
     audited(request, robot=alert["robot"])
     if overview.is_own(alert_id):
-        return json_response(await overview.acknowledge(alert_id, by))
+        return _acknowledged(await overview.acknowledge(alert_id, by, condition), by)
     site, _, own_id = alert_id.partition(".")
     client, grant = parts[Sites].client(site, principal.grant), site_grant(principal.grant, site)
     if grant is None:
         raise NotFound(f"there is no alert {alert_id[:60]}", code="alert_not_found")
     method, sent = ("DELETE", b"") if by is None else ("PUT", encode({"by": by}))
     path = f"/alerts/{own_id}/acknowledgement"
-    answer = await client.ask(SiteRequest(method, path, body=sent, user=principal.name, grant=grant))
+    headers = [*JSON, *((name, value) for name, value in request.scope["headers"] if name == b"if-match")]
+    asked = SiteRequest(method, path, body=sent, user=principal.name, grant=grant, headers=headers)
+    answer = await client.ask(asked)
+    if answer.status == 204:
+        return Response(status_code=204)
     if answer.status != 200:
         media_type = "application/problem+json"
         return Response(answer.body, answer.status, media_type=media_type)
@@ -109,23 +124,34 @@ async def acknowledge_alert(alert_id: str, request: Request, parts: Parts, by: s
         (changed,) = read_alerts(site, [answer.json()])
     except ForeignDocumentError as error:
         raise SiteFailed(f"the site {site} has answered with something that is no alert: {error}", site=site) from None
-    return json_response(alert | {"acknowledged": changed["acknowledged"]})
+    return item_response(alert | {"acknowledged": changed["acknowledged"], "etag": changed["etag"]})
 
 
-@router.put("/alerts/{alert_id}/acknowledgement", tags=["Alerts"], response_model=SiteAlert)
+def _acknowledged(alert: Document, by: str | None) -> Response:
+    return Response(status_code=204) if by is None else item_response(alert)
+
+
+@router.put("/alerts/{alert_id}/acknowledgement", tags=["Alerts"])
 @carries_out(acknowledge_alert)
 async def acknowledge(
-    alert_id: AlertId, body: SignedBody[AcknowledgementBody], request: Request, parts: AllParts
-) -> Response:
+    alert_id: AlertId,
+    body: SignedBody[AcknowledgementBody],
+    request: Request,
+    parts: AllParts,
+    condition: ChangeCondition,
+) -> Item[SiteAlert]:
     """Acknowledge an alert: one of a site at that site, which decides whether the user may."""
-    return await acknowledge_alert(alert_id, request, parts, body.by)
+    answer = await acknowledge_alert(alert_id, request, parts, body.by, condition)
+    return cast("Item[SiteAlert]", answer)  # or what the site has refused it with
 
 
-@router.delete("/alerts/{alert_id}/acknowledgement", tags=["Alerts"], response_model=SiteAlert)
+@router.delete("/alerts/{alert_id}/acknowledgement", tags=["Alerts"], status_code=204)
 @carries_out(acknowledge_alert)
-async def withdraw_acknowledgement(alert_id: AlertId, request: Request, parts: AllParts) -> Response:
+async def withdraw_acknowledgement(
+    alert_id: AlertId, request: Request, parts: AllParts, condition: ChangeCondition
+) -> Response:
     """Withdraw an acknowledgement. Succeeds even if there is none."""
-    return await acknowledge_alert(alert_id, request, parts, None)
+    return await removed(acknowledge_alert(alert_id, request, parts, None, condition))
 
 
 @router.get("/healthz", tags=["Health"])

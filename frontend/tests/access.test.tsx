@@ -31,6 +31,7 @@ const as = (role: Role, name = "Ada", kind: "token" | "user" | "person" = "token
 
 const BOB: User = {
   name: "bob",
+  etag: '"b1"',
   role: "operator",
   robots: ["/hall_a/*"],
   actions: [],
@@ -44,6 +45,7 @@ const BOB: User = {
 
 const NIGHT: Token = {
   id: "0123456789abcdef",
+  etag: '"n1"',
   name: "Night shift",
   role: "operator",
   robots: ["/hall_a/*"],

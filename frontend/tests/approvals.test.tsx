@@ -25,7 +25,7 @@ const problem = (code: string, detail: string) =>
 /** A gateway that answers only what is sent to `/approvals`. */
 function answers(answer: () => Response) {
   const fetched = vi.fn<(request: Request) => Promise<Response>>(async ({ method }) =>
-    method === "POST" ? answer() : problem("not_found", "there is nothing"),
+    method === "PUT" ? answer() : problem("not_found", "there is nothing"),
   );
   vi.stubGlobal("fetch", fetched);
   return fetched;
@@ -44,8 +44,8 @@ describe("the goal of an agent that waits for somebody", () => {
     expect(question.getByText(/An agent, planner 1.0, asks/)).toBeDefined();
     await user.click(question.getByRole("button", { name: `${button}: dock Left forklift (/robot1)` }));
     await waitFor(() => expect(screen.queryByTestId("approval")).toBeNull());
-    const sent = fetched.mock.calls.map(([request]) => request).find(({ method }) => method === "POST");
-    expect(sent?.url).toBe("http://gateway:8000/approvals/a1");
+    const sent = fetched.mock.calls.map(([request]) => request).find(({ method }) => method === "PUT");
+    expect(sent?.url).toBe("http://gateway:8000/approvals/a1/decision");
     expect(await sent?.json()).toEqual({ allow });
   });
 

@@ -149,6 +149,7 @@ export function fibonacciAction(name: string): ActionInfo {
 export function alert(id: string, change: Partial<Alert> = {}): Alert {
   return {
     id,
+    etag: `"${id}"`,
     kind: "low_battery",
     robot: "/robot1",
     severity: "warning",

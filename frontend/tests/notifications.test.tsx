@@ -11,6 +11,7 @@ import { fakeGateway, renderPage } from "./page";
 
 const LOW: Alert = {
   id: "low",
+  etag: '"1"',
   kind: "low_battery",
   robot: "/robot1",
   severity: "warning",

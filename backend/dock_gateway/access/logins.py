@@ -34,6 +34,7 @@ from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant
 from dock_gateway.core.listeners import Hooks
 from dock_gateway.core.tasks import Tasks
+from dock_gateway.core.versions import UNCONDITIONAL, Condition
 from dock_gateway.storage import History
 from dock_gateway.storage.shared_entries import SYNC_INTERVAL, SharedBook
 
@@ -68,9 +69,11 @@ class Logins:
         sync_interval: float = SYNC_INTERVAL,
     ) -> None:
         self._sync_interval = sync_interval
-        self.tokens = Tokens(SharedBook(history.documents("token", Token), "token", MAX_TOKENS), where)
+        self.tokens = Tokens(SharedBook(history.documents("token", Token), "token", MAX_TOKENS, {"used_at"}), where)
         self._where = where
-        self._users = Users(SharedBook(history.documents("user", User), "user", MAX_USERS))
+        # The login of a user is no change of what an admin has written.
+        users = SharedBook(history.documents("user", User), "user", MAX_USERS, {"logged_in_at", "era"})
+        self._users = Users(users)
         sessions = SharedBook(history.documents("session", Session), "session", MAX_SESSIONS)
         self._sessions = Sessions(sessions, self._users.book)
         self.sources = Hooks[LoginSource]()
@@ -208,14 +211,15 @@ class Logins:
         _refuse_reserved(name)
         return await self.tokens.create(name, grant, expires_at, by, self._users.without(name))
 
-    async def revoke_token(self, token_id: str) -> None:
+    async def revoke_token(self, token_id: str, condition: Condition = UNCONDITIONAL) -> None:
         """Make a token invalid, and end its streams.
 
         Raises:
+            ChangedMeanwhile: It has not the version of the condition.
             NotFound: There is no such token (`token_not_found`).
             Unavailable: The history does not answer (`history_unavailable`); the token is still valid.
         """
-        await self.tokens.book.remove(token_id)
+        await self.tokens.book.remove(token_id, condition)
         self.end_streams()
 
     def identify_token(self, secret: str, address: str) -> Principal:
@@ -334,14 +338,35 @@ class Logins:
             Unavailable: The history does not answer (`history_unavailable`).
         """
         users, sessions = await self._users.read(), self._sessions.count()
-        return [user_document(name, user, sessions[name]) for name, user in sorted(users.items())]
+        return [self._user_document(name, user, sessions[name]) for name, user in sorted(users.items())]
+
+    async def user_document(self, name: str) -> dict[str, Any]:
+        """Return a user as the API shows them.
+
+        Raises:
+            NotFound: There is no such user (`user_not_found`).
+            Unavailable: The history does not answer (`history_unavailable`).
+        """
+        user = self._require(name, (await self._users.read()).get(name))
+        return self._user_document(name, user, self._sessions.count()[name])
+
+    def _user_document(self, name: str, user: User, sessions: int) -> dict[str, Any]:
+        return user_document(name, user, sessions) | {"etag": self._users.book.etag(user)}
 
     async def add_user(
-        self, name: str, grant: Grant, password: str, by: str | None = None, *, disabled: bool = False
+        self,
+        name: str,
+        grant: Grant,
+        password: str,
+        by: str | None = None,
+        *,
+        disabled: bool = False,
+        condition: Condition = UNCONDITIONAL,
     ) -> dict[str, Any]:
         """Add a user; return them as the API shows them.
 
         Raises:
+            ChangedMeanwhile: The condition is not true.
             Conflict: There are too many (`limit_reached`), or a user (`user_exists`) or a token (`token_exists`) has
                 this name, by which records name them.
             Unavailable: The history does not answer (`history_unavailable`); there is no new user.
@@ -350,20 +375,28 @@ class Logins:
         hashed = await self._passwords.hash(password)
 
         def add(user: User | None) -> User:
+            condition.require(self._users.book.etag(user))
             if user is not None:
                 raise Conflict(f"there is a user of the name {name}", code="user_exists")
             return new_user(grant, hashed, by, disabled=disabled)
 
         user = await self._users.change(name, add, dependency=self.tokens.without(name))
         assert user is not None
-        return user_document(name, user, 0)
+        return self._user_document(name, user, 0)
 
     async def edit_user(
-        self, name: str, grant: Grant | None = None, password: str | None = None, *, disabled: bool | None = None
+        self,
+        name: str,
+        grant: Grant | None = None,
+        password: str | None = None,
+        *,
+        disabled: bool | None = None,
+        condition: Condition = UNCONDITIONAL,
     ) -> dict[str, Any]:
         """Change the given fields of a user; return them as the API shows them.
 
         Raises:
+            ChangedMeanwhile: They have not the version of the condition.
             NotFound: There is no such user (`user_not_found`).
             Conflict: It is the last admin (`last_admin`).
             Unavailable: The history does not answer (`history_unavailable`); nothing has changed.
@@ -371,31 +404,33 @@ class Logins:
         hashed = None if password is None else await self._passwords.hash(password)
         user = await self._users.change(
             name,
-            lambda user: edit(self._require(name, user), grant, hashed, disabled=disabled),
+            lambda user: edit(self._require(name, user, condition), grant, hashed, disabled=disabled),
             await self._keep_admin(),
         )
         self.end_streams()
         assert user is not None
-        return user_document(name, user, self._sessions.count()[name])
+        return self._user_document(name, user, self._sessions.count()[name])
 
-    async def remove_user(self, name: str) -> None:
+    async def remove_user(self, name: str, condition: Condition = UNCONDITIONAL) -> None:
         """Remove a user, and end their sessions.
 
         Raises:
+            ChangedMeanwhile: They have not the version of the condition.
             NotFound: There is no such user (`user_not_found`).
             Conflict: It is the last admin (`last_admin`).
             Unavailable: The history does not answer (`history_unavailable`); the user is still there.
         """
 
         def remove(user: User | None) -> None:
-            self._require(name, user)
+            self._require(name, user, condition)
 
         await self._users.change(name, remove, await self._keep_admin())
         self.end_streams()
 
-    def _require(self, name: str, user: User | None) -> User:
+    def _require(self, name: str, user: User | None, condition: Condition = UNCONDITIONAL) -> User:
         if user is None:
             raise self._users.book.missing(name)
+        condition.require(self._users.book.etag(user))
         return user
 
     async def _keep_admin(self) -> Check:

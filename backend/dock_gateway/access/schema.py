@@ -12,6 +12,7 @@ from dock_gateway.core.access import Kind
 from dock_gateway.core.errors import got
 from dock_gateway.core.grant import LIMITS, MAX_PATTERN, MAX_PATTERNS, Role
 from dock_gateway.http.bodies import Name60, Unique, expected
+from dock_gateway.http.resource import Versioned
 from dock_gateway.http.schema import Schema
 from dock_gateway.setting_types import PATTERN
 
@@ -144,7 +145,7 @@ class Session(Schema):
     share: list[str]
 
 
-class Token(Grant):
+class Token(Grant, Versioned):
     """A token without its secret. `used_at` is to the minute."""
 
     id: str
@@ -175,7 +176,7 @@ class TokenList(Schema):
     tokens: list[Token]
 
 
-class User(Grant):
+class User(Grant, Versioned):
     """A user without the password. `sessions` is the number of logins that have not ended."""
 
     name: str

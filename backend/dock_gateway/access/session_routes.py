@@ -1,17 +1,18 @@
 """`/session`: who makes a request, the login of a browser, and tickets for WebSockets."""
 
 from contextlib import suppress
-from typing import Any
+from typing import Annotated, Any
 
-from fastapi import APIRouter, Request
+from fastapi import APIRouter, Query, Request
 
 from dock_gateway.access.authorization import identify, stranger
 from dock_gateway.access.logins import Logins
 from dock_gateway.access.passwords import MAX_PASSWORD, describe_wrong
 from dock_gateway.access.schema import Session, Ticket
 from dock_gateway.access.tickets import LIFETIME, Tickets
+from dock_gateway.access.user_routes import require_user
 from dock_gateway.audit.trail import audited
-from dock_gateway.core.access import ANYBODY, FORWARDED, Principal
+from dock_gateway.core.access import ANYBODY, FORWARDED, Kind, Principal
 from dock_gateway.core.errors import FieldError, GatewayError, InvalidField
 from dock_gateway.core.grant import Role
 from dock_gateway.http.openapi import body
@@ -126,12 +127,28 @@ def _log_in_with_token(request: Request, settings: Settings, logins: Logins, fie
 
 
 @router.delete("", name="log_out", dependencies=[NOT_FORWARDED])
-@public_operation(Audit.STORED_FIRST, errors=(503,))
-async def log_out(request: Request, settings: Part[Settings], logins: Part[Logins]) -> Answer[Session]:
-    """End the session of the browser. A token is only forgotten: it stays valid."""
-    with suppress(GatewayError):
-        request.scope["principal"] = await identify(request)
-    await logins.log_out(secret_of(request))
+@public_operation(Audit.STORED_FIRST, errors=(401, 404, 409, 503))
+async def log_out(
+    request: Request,
+    settings: Part[Settings],
+    logins: Part[Logins],
+    *,
+    everywhere: Annotated[bool, Query(description="Whether the sessions of all browsers of the user end")] = False,
+) -> Answer[Session]:
+    """End the session of the browser. A token is only forgotten: it stays valid.
+
+    `everywhere` is for people who are logged in; without a login it is `401`, with a token `409 user_required`.
+    """
+    if everywhere:
+        request.scope["principal"] = principal = await identify(request)
+        if principal.kind is Kind.PERSON and principal.name is not None:
+            await logins.log_out_person(principal.name)
+        else:
+            await logins.end_sessions(require_user(principal))
+    else:
+        with suppress(GatewayError):
+            request.scope["principal"] = await identify(request)
+        await logins.log_out(secret_of(request))
     response = _session(request, settings, logins, None if settings.authentication else ANYBODY)
     forget_login(response, request)
     return response

@@ -8,7 +8,7 @@ from starlette.responses import Response
 
 from dock_gateway.access.credentials import ID_DIGITS
 from dock_gateway.access.logins import Logins
-from dock_gateway.access.schema import CreatedToken, TokenBody, TokenList
+from dock_gateway.access.schema import CreatedToken, Token, TokenBody, TokenList
 from dock_gateway.audit.trail import audited
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Role
@@ -17,6 +17,7 @@ from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import principal_of
 from dock_gateway.http.requests import Answer, json_response
+from dock_gateway.http.resource import ChangeCondition, Item, item_response, removed
 from dock_gateway.http.route import ApiRoute
 
 router = APIRouter(route_class=ApiRoute, tags=["Access"], prefix="/tokens")
@@ -33,19 +34,28 @@ async def list_tokens(logins: Part[Logins]) -> Answer[TokenList]:
 
 @router.post("", name="create_token", status_code=201)
 @operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST, errors=(409,))
-async def create_token(body: Body[TokenBody], request: Request, logins: Part[Logins]) -> Answer[CreatedToken]:
+async def create_token(body: Body[TokenBody], request: Request, logins: Part[Logins]) -> Item[CreatedToken]:
     """Create a token. Only this answer has its secret."""
     audited(request, subject=body.name)
     expires_at = None if body.days is None else utc_now() + timedelta(days=body.days)
     creator = principal_of(request).name
     token, secret = await logins.create_token(body.name, body.grant(), expires_at, creator)
-    return json_response({**token, "secret": secret}, 201, {"Cache-Control": "no-store"})
+    document = {**token, "secret": secret}
+    return item_response(document, f"{router.prefix}/{token['id']}", {"Cache-Control": "no-store"})
+
+
+@router.get("/{token_id}", name="get_token")
+@operation(Role.ADMIN, Scope.EVERY, errors=(404,))
+async def get_token(token_id: TokenId, logins: Part[Logins]) -> Item[Token]:
+    """Return a token, without its secret."""
+    return item_response(await logins.tokens.document(token_id))
 
 
 @router.delete("/{token_id}", name="revoke_token", status_code=204)
-@operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST, errors=(404,))
-async def revoke_token(token_id: TokenId, request: Request, logins: Part[Logins]) -> Response:
+@operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST)
+async def revoke_token(
+    token_id: TokenId, request: Request, logins: Part[Logins], condition: ChangeCondition
+) -> Response:
     """Revoke a token: requests with it are refused, and its streams end, at other gateways within 2 s."""
     audited(request, subject=logins.tokens.name_of(token_id) or token_id)
-    await logins.revoke_token(token_id)
-    return Response(status_code=204)
+    return await removed(logins.revoke_token(token_id, condition))

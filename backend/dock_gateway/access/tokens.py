@@ -112,7 +112,7 @@ class Tokens(Credentials[Token]):
                 raise Conflict(f"there is a token of the name {name}; revoke it first", code="token_exists")
 
         await self.book.replace(digest[:ID_DIGITS], token, check, dependency)
-        return token_document(digest[:ID_DIGITS], token), secret
+        return self._document(digest[:ID_DIGITS], token), secret
 
     async def documents(self) -> list[dict[str, Any]]:
         """Return all tokens by name, as the API shows them.
@@ -121,8 +121,23 @@ class Tokens(Credentials[Token]):
             Unavailable: The history does not answer (`history_unavailable`).
         """
         tokens = await self.book.read()
-        found = [token_document(token_id, token) for token_id, token in tokens.items()]
+        found = [self._document(token_id, token) for token_id, token in tokens.items()]
         return sorted(found, key=lambda token: str(token["name"]))
+
+    async def document(self, token_id: str) -> dict[str, Any]:
+        """Return a token as the API shows it.
+
+        Raises:
+            NotFound: There is no such token (`token_not_found`).
+            Unavailable: The history does not answer (`history_unavailable`).
+        """
+        token = (await self.book.read()).get(token_id)
+        if token is None:
+            raise self.book.missing(token_id)
+        return self._document(token_id, token)
+
+    def _document(self, token_id: str, token: Token) -> dict[str, Any]:
+        return token_document(token_id, token) | {"etag": self.book.etag(token)}
 
     def without(self, name: str) -> Dependency:
         """Return a check that no token has the name of a user, whatever its case."""

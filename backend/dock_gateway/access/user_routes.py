@@ -1,4 +1,4 @@
-"""`/users`: those who log in with a name and a password. `/sessions`: their logins."""
+"""`/users`: those who log in with a name and a password."""
 
 from typing import Annotated
 
@@ -14,8 +14,9 @@ from dock_gateway.core.grant import Role
 from dock_gateway.http.bodies import Body
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Part
-from dock_gateway.http.principal import address_of, browser_of, forget_login, keep_browser, keep_login, principal_of
+from dock_gateway.http.principal import address_of, browser_of, keep_browser, keep_login, principal_of
 from dock_gateway.http.requests import Answer, json_response
+from dock_gateway.http.resource import ChangeCondition, Item, WriteCondition, item_response, removed
 from dock_gateway.http.route import ApiRoute
 
 router = APIRouter(route_class=ApiRoute, tags=["Access"])
@@ -35,27 +36,37 @@ async def list_users(logins: Part[Logins]) -> Answer[UserList]:
     return json_response({"users": await logins.documents()})
 
 
-@router.put("/users/{user}", name="put_user", responses={201: {"description": "The new user", "model": User}})
+@router.get("/users/{user}", name="get_user")
+@operation(Role.ADMIN, Scope.EVERY, errors=(404,))
+async def get_user(name: UserName, logins: Part[Logins]) -> Item[User]:
+    """Return a user, without the password."""
+    return item_response(await logins.user_document(name))
+
+
+@router.put("/users/{user}", name="put_user")
 @operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST, errors=(409, 429))
-async def put_user(name: UserName, body: Body[UserBody], request: Request, logins: Part[Logins]) -> Answer[User]:
+async def put_user(
+    name: UserName, body: Body[UserBody], request: Request, logins: Part[Logins], condition: WriteCondition
+) -> Item[User]:
     """Add a user, or change one. A changed role holds at once; streams that were opened with the earlier one end."""
     grant, password, disabled = body.grant(), body.password, body.disabled
     try:
-        return json_response(await logins.edit_user(name, grant, password, disabled=disabled))
+        return item_response(await logins.edit_user(name, grant, password, disabled=disabled, condition=condition))
     except NotFound:
+        condition.require(None)
         if password is None:
             error = FieldError("password", "the password of the new user", "got none")
             raise InvalidField([error]) from None
-    user = await logins.add_user(name, grant, password, principal_of(request).name, disabled=disabled)
-    return json_response(user, 201)
+    creator = principal_of(request).name
+    user = await logins.add_user(name, grant, password, creator, disabled=disabled, condition=condition)
+    return item_response(user, f"/users/{name}")
 
 
 @router.delete("/users/{user}", name="remove_user", status_code=204)
-@operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST, errors=(404, 409))
-async def remove_user(name: UserName, logins: Part[Logins]) -> Response:
+@operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST, errors=(409,))
+async def remove_user(name: UserName, logins: Part[Logins], condition: ChangeCondition) -> Response:
     """Remove a user, and end their sessions. Their goals go on, and records keep their name."""
-    await logins.remove_user(name)
-    return Response(status_code=204)
+    return await removed(logins.remove_user(name, condition))
 
 
 @router.delete("/users/{user}/sessions", name="end_sessions", status_code=204)
@@ -64,20 +75,6 @@ async def end_sessions(name: UserName, logins: Part[Logins]) -> Response:
     """Log a user out everywhere."""
     await logins.end_sessions(name)
     return Response(status_code=204)
-
-
-@router.delete("/sessions", name="log_out_everywhere", status_code=204)
-@operation(Role.VIEWER, Scope.ANY, Audit.STORED_FIRST, errors=(404, 409))
-async def log_out_everywhere(request: Request, logins: Part[Logins]) -> Response:
-    """Log the user who asks out in every browser."""
-    principal = principal_of(request)
-    if principal.kind is Kind.PERSON and principal.name is not None:
-        await logins.log_out_person(principal.name)
-    else:
-        await logins.end_sessions(require_user(principal))
-    response = Response(status_code=204)
-    forget_login(response, request)
-    return response
 
 
 @router.put("/session/password", name="change_password", status_code=204)

@@ -146,6 +146,13 @@ def limit_reached(limit: int, what: str) -> Conflict:
     return Conflict(f"there are {limit} {what}; remove one first", code="limit_reached", limit=limit)
 
 
+class ChangedMeanwhile(GatewayError):
+    """A change depends on a version, and there is another one now."""
+
+    status = HTTPStatus.PRECONDITION_FAILED
+    code = "changed_meanwhile"
+
+
 class ServedElsewhere(GatewayError):
     """Another gateway serves the robot."""
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
+from dock_gateway.core.versions import entity_tag
 from dock_gateway.fleet.alert_kinds import AlertKind
 
 
@@ -41,10 +42,15 @@ class Alert:
         """The id, which is the same at every gateway and when the alert recurs."""
         return alert_id(self.kind, self.robot, self.goal_id)
 
+    def etag(self, acknowledgement: Acknowledgement | None) -> str:
+        """Return the entity tag of the alert, which changes with who has acknowledged it."""
+        return entity_tag([self.id, self.since, acknowledgement])
+
     def document(self, acknowledgement: Acknowledgement | None) -> dict[str, Any]:
         """Return the alert as `GET /alerts` shows it, ready for `orjson`."""
         return {
             "id": self.id,
+            "etag": self.etag(acknowledgement),
             "kind": self.kind.value,
             "robot": self.robot,
             "severity": "critical" if self.critical else "warning",

@@ -15,6 +15,8 @@ from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.listeners import Hooks, Listeners
 from dock_gateway.core.narrowing import narrow_alerts
 from dock_gateway.core.tasks import cancel
+from dock_gateway.core.versions import UNCONDITIONAL, Condition
+from dock_gateway.fleet.acknowledgements import acknowledge
 from dock_gateway.fleet.alert import Acknowledgement, Alert, alert_id
 from dock_gateway.fleet.alert_kinds import CORE_KINDS, AlertKind
 from dock_gateway.fleet.alert_rules import NO_DUPLICATES, AlertRules
@@ -159,27 +161,28 @@ class AlertBoard:
 
     # ------------------------------------------------------------------ acknowledgements
 
-    async def acknowledge(self, alert_id: str, by: str) -> dict[str, Any]:
-        """Acknowledge an alert; return it.
+    def document(self, alert_id: str, grant: Grant = UNLIMITED) -> dict[str, Any]:
+        """Return an alert as `GET /alerts/{alert_id}` shows it.
+
+        Raises:
+            NotFound: There is none, or the grant does not cover it (`alert_not_found`).
+        """
+        return self._document(self.get(alert_id, grant))
+
+    async def acknowledge(self, alert_id: str, by: str | None, condition: Condition = UNCONDITIONAL) -> dict[str, Any]:
+        """Acknowledge an alert, or with `by` None withdraw that; return it.
+
+        While the history does not answer, that applies to this process only, unless it depends on a version.
 
         Raises:
             NotFound: `alert_not_found`.
+            ChangedMeanwhile: It has not the version of the condition.
+            Unavailable: There is a condition, and the history does not answer (`history_unavailable`).
         """
-        return await self._change(alert_id, Acknowledgement(by, utc_now()))
-
-    async def withdraw(self, alert_id: str) -> dict[str, Any]:
-        """Withdraw the acknowledgement of an alert; return the alert.
-
-        Raises:
-            NotFound: `alert_not_found`.
-        """
-        return await self._change(alert_id, None)
-
-    async def _change(self, alert_id: str, acknowledgement: Acknowledgement | None) -> dict[str, Any]:
         alert = self.get(alert_id)
-        self._acknowledgements.put(alert_id, acknowledgement)
+        acknowledgement = None if by is None else Acknowledgement(by, utc_now())
+        await acknowledge(self._acknowledgements, alert, acknowledgement, condition)
         self._publish()
-        await self._acknowledgements.save()
         return self._document(alert)
 
     async def _sync(self) -> None:

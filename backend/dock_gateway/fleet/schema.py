@@ -10,6 +10,7 @@ from dock_gateway.fleet.alert_kinds import CORE_KINDS
 from dock_gateway.goals.action_schema import ActionServer
 from dock_gateway.goals.schema import GoalState
 from dock_gateway.http.bodies import GroupName, Name60, RobotName, Unique
+from dock_gateway.http.resource import Versioned
 from dock_gateway.http.schema import MAX_GROUPS, RosName, Schema
 from dock_gateway.robots.schema import BatteryState, Implausible
 from dock_gateway.stop.schema import StopState
@@ -104,7 +105,7 @@ class Acknowledgement(Schema):
     at: datetime
 
 
-class Alert(Schema):
+class Alert(Versioned):
     """A condition that an operator has to know about.
 
     `robot` is the robot, the namespace of an action that belongs to no robot, or null for the gateway itself. `detail`

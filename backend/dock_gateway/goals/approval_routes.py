@@ -27,14 +27,22 @@ async def list_approvals(approvals: Part[Approvals], grant: TheGrant) -> Answer[
     return json_response({"approvals": approvals.documents(grant)})
 
 
-@router.post("/{approval_id}")
+@router.get("/{approval_id}")
+@operation(Role.VIEWER, Scope.APPROVAL)
+async def get_approval(approval_id: ApprovalId, approvals: Part[Approvals], grant: TheGrant) -> Answer[Approval]:
+    """Return a goal that waits until a person allows it."""
+    return json_response(approvals.get(approval_id, grant).document())
+
+
+@router.put("/{approval_id}/decision")
 @operation(Role.OPERATOR, Scope.APPROVAL)
 async def decide_approval(
     approval_id: ApprovalId, body: Body[ApprovalBody], request: Request, approvals: Part[Approvals]
 ) -> Answer[Approval]:
     """Allow or refuse a goal that waits: this goal, once. It is sent at once if it is allowed.
 
-    A goal that has expired, was answered or was dropped by a stop is `404 approval_not_found`.
+    The first decision holds. A goal that has expired, was decided on or was dropped by a stop is
+    `404 approval_not_found`.
     """
     allow = body.allow
     approval = approvals.decide(approval_id, allow=allow, by=principal_of(request).name)

@@ -13,13 +13,14 @@ from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import ABOUT_ROBOTS, NAMED, TYPED, Operation, operation_of
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import Answer, known_query
+from dock_gateway.http.resource import Item, WriteCondition, described, has_condition
 
 
 class ApiRoute(APIRoute):
     """The `route_class` of a router of the API.
 
     - The body is that of a parameter, `Body[Model]` or `SignedBody[Model]`.
-    - The model of the answer is that of the return annotation, `Answer[Model]`.
+    - The model of the answer is that of the return annotation, `Answer[Model]`, or `Item[Model]` with an `ETag`.
     - Query parameters that the function does not have are refused, unless its operation takes any.
     - The documented errors are those of its operation, with those that follow from what it is about and takes.
 
@@ -33,13 +34,19 @@ class ApiRoute(APIRoute):
     def __init__(self, path: str, endpoint: Callable[..., Any], **options: Any) -> None:
         operation = operation_of(endpoint)
         returned = inspect.signature(endpoint).return_annotation
-        if get_origin(returned) is Answer:
+        if get_origin(returned) in (Answer, Item):
             (options["response_model"],) = get_args(returned)
+        if get_origin(returned) is Item:
+            creates = WriteCondition in inspect.get_annotations(endpoint).values()
+            answers = described(options["response_model"], status=options.get("status_code") or 200, creates=creates)
+            options["responses"] = answers | (options.get("responses") or {})
         super().__init__(path, endpoint, **options)
         readers = [each.call for each in self.dependant.dependencies if isinstance(each.call, BodyReader)]
         if readers:
             self.openapi_extra = (self.openapi_extra or {}) | body(readers[0].schema, required=True)
         errors = documented_errors(operation, has_body="requestBody" in (self.openapi_extra or {}))
+        if has_condition(each.call for each in self.dependant.dependencies):
+            errors |= {412, 422}
         self.responses = problems(*sorted(errors)) | self.responses
         flat = get_flat_params(self.dependant)
         self.query_names = [each.alias for each in flat if isinstance(each.field_info, params.Query)]

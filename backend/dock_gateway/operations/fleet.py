@@ -7,6 +7,7 @@ from dock_gateway.core.errors import not_covered
 from dock_gateway.core.filters import is_hidden
 from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
+from dock_gateway.core.versions import UNCONDITIONAL, Condition
 from dock_gateway.fleet.alert_board import AlertBoard
 from dock_gateway.fleet.fleet import Fleet
 from dock_gateway.goals.action import Action
@@ -59,15 +60,27 @@ async def list_alerts(parts: Parts, principal: Principal) -> Documents:
     return parts[AlertBoard].documents(principal.grant)
 
 
-@operation(Role.OPERATOR, Scope.ALERT)
-async def acknowledge_alert(parts: Parts, _: Principal, alert_id: str, by: str | None) -> dict[str, Any]:
-    """Acknowledge an alert, or with `by` None withdraw that. Return the alert.
+@operation(Role.VIEWER, Scope.ALERT, Audit.NEVER)
+async def get_alert(parts: Parts, principal: Principal, alert_id: str) -> dict[str, Any]:
+    """Return an active alert.
 
     Raises:
         NotFound: There is no such alert (`alert_not_found`).
     """
-    alerts = parts[AlertBoard]
-    return await (alerts.withdraw(alert_id) if by is None else alerts.acknowledge(alert_id, by))
+    return parts[AlertBoard].document(alert_id, principal.grant)
+
+
+@operation(Role.OPERATOR, Scope.ALERT)
+async def acknowledge_alert(
+    parts: Parts, _: Principal, alert_id: str, by: str | None, condition: Condition = UNCONDITIONAL
+) -> dict[str, Any]:
+    """Acknowledge an alert, or with `by` None withdraw that. Return the alert.
+
+    Raises:
+        NotFound: There is no such alert (`alert_not_found`).
+        ChangedMeanwhile: The alert has not the version of the condition.
+    """
+    return await parts[AlertBoard].acknowledge(alert_id, by, condition)
 
 
 @operation(Role.SUPERVISOR, Scope.EVERY, errors=(409,))

@@ -1,11 +1,12 @@
 """Entries that gateways share through the history: this gateway's copy, and books that people edit."""
 
 import asyncio
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
 from typing import Generic
 
 from dock_gateway.core.errors import NotFound, Unavailable, limit_reached
+from dock_gateway.core.versions import UNCONDITIONAL, Condition, entity_tag
 from dock_gateway.storage.entries import Dependency, Entries, EntryT
 
 # Seconds between two reads of other gateways' changes.
@@ -125,12 +126,24 @@ class SharedBook(SharedEntries[EntryT]):
         store: Stores them.
         noun: What an entry is called, in errors.
         most: The maximum number of entries.
+        by_themselves: The fields that change without a person: they make no new version.
     """
 
-    def __init__(self, store: Entries[EntryT], noun: str, most: int) -> None:
+    def __init__(
+        self, store: Entries[EntryT], noun: str, most: int, by_themselves: Collection[str] = frozenset()
+    ) -> None:
         super().__init__(store)
         self._noun = noun
         self._most = most
+        self._by_themselves = by_themselves
+
+    def etag(self, entry: EntryT | None) -> str | None:
+        """Return the entity tag of an entry; None if there is no entry."""
+        return (
+            None
+            if entry is None
+            else entity_tag({name: value for name, value in vars(entry).items() if name not in self._by_themselves})
+        )
 
     async def replace(
         self,
@@ -138,26 +151,34 @@ class SharedBook(SharedEntries[EntryT]):
         entry: EntryT,
         allow: Callable[[Mapping[str, EntryT]], None] = lambda _: None,
         dependency: Dependency | None = None,
-    ) -> None:
-        """Store an entry, new or changed.
+        condition: Condition = UNCONDITIONAL,
+    ) -> bool:
+        """Store an entry, new or changed; return whether it is new.
 
         Args:
             key: Its id.
             entry: The entry.
             allow: Is given all entries, and raises if this one must not be stored.
             dependency: Entries of another kind that are checked in the same transaction.
+            condition: The version that it must have.
 
         Raises:
+            ChangedMeanwhile: The condition is not true.
             Conflict: There are too many (`limit_reached`).
             Unavailable: The history does not answer (`history_unavailable`); the entry is what it was.
         """
+        new = True
 
         def check(entries: Mapping[str, EntryT]) -> None:
-            if key not in entries and len(entries) >= self._most:
+            nonlocal new
+            new = key not in entries
+            condition.require(self.etag(entries.get(key)))
+            if new and len(entries) >= self._most:
                 raise limit_reached(self._most, f"{self._noun}s")
             allow(entries)
 
         await self.store(key, entry, check, dependency)
+        return new
 
     async def amend(self, key: str, entry: EntryT) -> None:
         """Store a change of an entry, unless the entry was removed meanwhile.
@@ -168,14 +189,24 @@ class SharedBook(SharedEntries[EntryT]):
         """
         await self.store(key, entry, lambda entries: self._require(key, entries))
 
-    async def remove(self, key: str) -> None:
+    async def remove(self, key: str, condition: Condition = UNCONDITIONAL) -> None:
         """Remove an entry.
 
+        Args:
+            key: Its id.
+            condition: The version that it must have.
+
         Raises:
+            ChangedMeanwhile: The condition is not true.
             NotFound: `rule_not_found`, `webhook_not_found`, `token_not_found`, ….
             Unavailable: The history does not answer (`history_unavailable`); the entry is still there.
         """
-        await self.store(key, None, lambda entries: self._require(key, entries))
+
+        def check(entries: Mapping[str, EntryT]) -> None:
+            self._require(key, entries)
+            condition.require(self.etag(entries[key]))
+
+        await self.store(key, None, check)
 
     def _require(self, key: str, entries: Mapping[str, EntryT]) -> None:
         if key not in entries:

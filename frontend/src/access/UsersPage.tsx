@@ -91,10 +91,15 @@ export default function UsersPage() {
       >
         {edited !== undefined && (
           <UserForm
+            key={edited?.etag}
             user={edited}
             example={example}
-            taken={(users ?? []).map(({ name }) => name)}
+            users={users ?? []}
             save={save}
+            onShow={(newest) => {
+              setEdited(newest);
+              save.reset();
+            }}
             onDone={closeForm}
           />
         )}
@@ -104,7 +109,7 @@ export default function UsersPage() {
         opened={removed !== null}
         onClose={closeRemoval}
         remove={remove}
-        onRemove={() => removed !== null && remove.mutate(removed.name, { onSuccess: closeRemoval })}
+        onRemove={() => removed !== null && remove.mutate(removed, { onSuccess: closeRemoval })}
       >
         <Text size="sm">
           {removed?.name} is logged out everywhere: here at once, at other gateways within 2 s. Goals that{" "}

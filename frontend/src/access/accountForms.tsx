@@ -5,7 +5,9 @@ import { type FormEvent, useState } from "react";
 import type { CreatedToken, Token, TokenBody, User, UserBody } from "../api/access";
 import { LIMITS } from "../api/limits.gen";
 import { ROLES, type Role } from "../api/session";
+import type { Base } from "../api/version";
 import { useFleetTopic } from "../fleet/context";
+import { Conflict, isConflict } from "../ui/Conflict";
 import { SaveBar } from "../ui/Dialog";
 import { NewPassword, passwordProblem } from "./PasswordDialog";
 
@@ -22,14 +24,16 @@ interface UserFormProps {
   /** Who is changed; null for a new user. */
   user: User | null;
   example?: Example | undefined;
-  /** Names that are taken. */
-  taken: readonly string[];
-  save: UseMutationResult<void, ClientError, { name: string; body: UserBody }>;
+  /** All of them, as they are now. */
+  users: readonly User[];
+  save: UseMutationResult<void, ClientError, { name: string; body: UserBody; base: Base }>;
+  /** Begins anew with a user that someone else has changed. */
+  onShow: (newest: User) => void;
   onDone: () => void;
 }
 
 /** Adds a user, or changes one. */
-export function UserForm({ user, example, taken, save, onDone }: UserFormProps) {
+export function UserForm({ user, example, users, save, onShow, onDone }: UserFormProps) {
   const [name, setName] = useState(user?.name ?? example?.name ?? "");
   const [grant, setGrant] = useState<Grant>(
     user === null ? { role: example?.role ?? "viewer", ...NO_LIMITS } : grantOf(user),
@@ -37,15 +41,19 @@ export function UserForm({ user, example, taken, save, onDone }: UserFormProps) 
   const [disabled, setDisabled] = useState(user?.disabled ?? false);
   const [password, setPassword] = useState("");
   const [tried, setTried] = useState(false);
-  const wrongName = user === null ? nameProblem(name, taken) : null;
+  const newest = users.find((each) => each.name === name);
+  const wrongName = user === null ? nameProblem(name, newest !== undefined) : null;
   const keeps = user !== null && password === "";
-  const submit = (event: FormEvent) => {
-    event.preventDefault();
+  const store = (base: User | null) => {
     setTried(true);
     if (wrongName !== null || (!keeps && passwordProblem(password) !== null) || wrongLimits(grant).length > 0)
       return;
     const body = { ...grant, disabled, ...(keeps ? {} : { password }) };
-    save.mutate({ name, body }, { onSuccess: onDone });
+    save.mutate({ name, body, base }, { onSuccess: onDone });
+  };
+  const submit = (event: FormEvent) => {
+    event.preventDefault();
+    store(user);
   };
   return (
     <form onSubmit={submit} noValidate>
@@ -86,6 +94,11 @@ export function UserForm({ user, example, taken, save, onDone }: UserFormProps) 
           onCancel={onDone}
           verb={user === null ? "Add" : "Save"}
           command={user === null ? "Adding the user" : "Saving"}
+          trouble={
+            isConflict(save.error) && (
+              <Conflict error={save.error} newest={newest} onShow={onShow} onReplace={store} />
+            )
+          }
         />
       </Stack>
     </form>
@@ -96,10 +109,10 @@ function grantOf({ role, robots, actions, topics }: User): Grant {
   return { role, robots, actions, topics };
 }
 
-function nameProblem(name: string, taken: readonly string[]): string | null {
+function nameProblem(name: string, taken: boolean): string | null {
   if (name === "") return "Type a name.";
   if (!NAME.test(name)) return "Names have letters, digits, and . _ - @ + between them.";
-  return taken.includes(name) ? "There is a user of this name." : null;
+  return taken ? "There is a user of this name." : null;
 }
 
 const { name: TOKEN_NAME, days: DAYS } = LIMITS["POST /tokens"];

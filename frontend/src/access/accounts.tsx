@@ -12,9 +12,11 @@ import {
   removeUser,
   revokeToken,
   type TokenBody,
+  type User,
   type UserBody,
 } from "../api/access";
 import { type Command, useForbidden } from "../api/session";
+import type { Base } from "../api/version";
 import { useFleet, useFleetLive } from "../fleet/context";
 import { Fact, FactList } from "../ui/Fact";
 import { useAnswer, useCommand } from "../ui/requests";
@@ -41,13 +43,20 @@ export function useAccounts<Account>(command: Command, list: (http: Http) => Pro
   return { http, accounts: data, error, refetch, renew };
 }
 
+/** A change of a user, or a new one. */
+export interface SavedUser {
+  name: string;
+  body: UserBody;
+  base: Base;
+}
+
 /** The users, and what changes them. */
 export function useUsers() {
   const { http, accounts: users, error, refetch, renew } = useAccounts("GET /users", listUsers);
-  const save = useCommand(({ name, body }: { name: string; body: UserBody }) =>
-    putUser(http, name, body).then(renew),
+  const save = useCommand(({ name, body, base }: SavedUser) =>
+    putUser(http, name, body, base).finally(renew),
   );
-  const remove = useCommand((name: string) => removeUser(http, name).then(renew));
+  const remove = useCommand((user: User) => removeUser(http, user).finally(renew));
   const logOut = useCommand((name: string) => endSessions(http, name).then(renew));
   return { users, error, refetch, save, remove, logOut };
 }

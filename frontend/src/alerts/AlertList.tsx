@@ -124,22 +124,25 @@ const AlertItem = memo(function AlertItem({ alert }: { alert: Alert }) {
       {acknowledged === null ? (
         <AcknowledgeButton id={id} what={what} />
       ) : (
-        <Acknowledged id={id} what={what} {...acknowledged} />
+        <Acknowledged alert={alert} what={what} {...acknowledged} />
       )}
     </li>
   );
 });
 
 interface AcknowledgedProps {
-  id: string;
+  alert: Alert;
   what: string;
   by: string;
   at: string;
 }
 
-function Acknowledged({ id, what, by, at }: AcknowledgedProps) {
+function Acknowledged({ alert, what, by, at }: AcknowledgedProps) {
   const { http, store } = useFleet();
-  const withdraw = useCommand(async () => store.setAlert(await createAlerts(http).withdraw(id)));
+  const withdraw = useCommand(async () => {
+    await createAlerts(http).withdraw(alert.id);
+    store.setAlert({ ...alert, acknowledged: null });
+  });
   const reason = useWhyNotAnswer(withdraw.isPending);
   return (
     <>

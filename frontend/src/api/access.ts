@@ -1,5 +1,6 @@
 import { type components, deadline, type Http, type paths, settle } from "@dock-gateway/client";
 import { atServer } from "./site";
+import { type Base, ifUnchanged } from "./version";
 
 type Schemas = components["schemas"];
 
@@ -26,8 +27,10 @@ export function logOut(http: Http): Promise<Schemas["Session"]> {
   return settle(http.DELETE("/session", { signal: deadline(), ...atServer() }));
 }
 
-export async function logOutEverywhere(http: Http): Promise<void> {
-  await settle(http.DELETE("/sessions", { signal: deadline(), ...atServer() }));
+/** Logs out in every browser. */
+export function logOutEverywhere(http: Http): Promise<Schemas["Session"]> {
+  const params = { query: { everywhere: true } };
+  return settle(http.DELETE("/session", { params, signal: deadline(), ...atServer() }));
 }
 
 /** Changes the own password; every other browser is logged out. */
@@ -40,13 +43,15 @@ export async function listUsers(http: Http): Promise<User[]> {
   return (await settle(http.GET("/users", { signal: deadline() }))).users;
 }
 
-/** Adds a user or changes one. */
-export async function putUser(http: Http, name: string, body: UserBody): Promise<void> {
-  await settle(http.PUT("/users/{user}", { params: { path: { user: name } }, body, signal: deadline() }));
+/** Adds a user or changes one. @param base The user as they were read; null for a new one. */
+export async function putUser(http: Http, name: string, body: UserBody, base: Base): Promise<void> {
+  const params = { path: { user: name }, header: ifUnchanged(base) };
+  await settle(http.PUT("/users/{user}", { params, body, signal: deadline() }));
 }
 
-export async function removeUser(http: Http, name: string): Promise<void> {
-  await settle(http.DELETE("/users/{user}", { params: { path: { user: name } }, signal: deadline() }));
+export async function removeUser(http: Http, user: User): Promise<void> {
+  const params = { path: { user: user.name }, header: ifUnchanged(user) };
+  await settle(http.DELETE("/users/{user}", { params, signal: deadline() }));
 }
 
 export async function endSessions(http: Http, name: string): Promise<void> {

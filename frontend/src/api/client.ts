@@ -83,8 +83,9 @@ export function createAlerts(http: Http) {
     /** Says that somebody has seen it, until it ends. */
     acknowledge: (id: string, by: string): Promise<Alert> =>
       settle(http.PUT("/alerts/{alert_id}/acknowledgement", { body: { by }, ...options(id) })),
-    withdraw: (id: string): Promise<Alert> =>
-      settle(http.DELETE("/alerts/{alert_id}/acknowledgement", options(id))),
+    withdraw: async (id: string): Promise<void> => {
+      await settle(http.DELETE("/alerts/{alert_id}/acknowledgement", options(id)));
+    },
   };
 }
 

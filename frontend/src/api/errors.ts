@@ -41,6 +41,10 @@ const WORDS: Record<string, ErrorWords> = {
     title: "The action server refused to cancel",
     advice: "Press Stop: it also publishes zero velocity.",
   },
+  changed_meanwhile: {
+    title: "Someone else has changed it",
+    advice: "Nothing was changed now. Look at the new version, then decide.",
+  },
   display_name_taken: {
     title: "The name is taken",
     advice: "It is another robot's name or namespace: choose a different one.",

@@ -22,11 +22,11 @@ export default function Question({ approval }: { approval: Approval }) {
   const answer = useCommand(async (allow: boolean) => {
     const params = { path: { approval_id: ownId(approval_id, robot) } };
     await settle(
-      httpOf(robot).POST("/approvals/{approval_id}", { body: { allow }, params, signal: deadline() }),
+      httpOf(robot).PUT("/approvals/{approval_id}/decision", { body: { allow }, params, signal: deadline() }),
     );
     store.setAnswered(approval_id);
   });
-  const forbidden = useWhyNot("POST /approvals/{approval_id}");
+  const forbidden = useWhyNot("PUT /approvals/{approval_id}/decision");
   const reason = forbidden ?? (answer.isPending ? "The gateway has not answered yet." : null);
   const what = verb ?? `send a goal to ${action_name}`;
   const dock = verb === "dock" ? dockOf(goal) : null;

@@ -8,8 +8,8 @@ import { ENTRY_BUTTON, ReasonButton } from "../ui/ReasonButton";
 import { Time } from "../ui/Time";
 import classes from "./EntryCard.module.css";
 
-interface EntryCardProps {
-  entry: { id: string; name: string; changed_by: string | null; changed_at: string };
+interface EntryCardProps<Entry> {
+  entry: Entry;
   /** What it does, line by line. */
   words: readonly string[];
   /** What it is switched with. */
@@ -19,14 +19,16 @@ interface EntryCardProps {
   /** Why it cannot be changed now; null where it can. */
   reason: string | null;
   onEdit: () => void;
-  remove: UseMutationResult<unknown, ClientError, string>;
+  remove: UseMutationResult<unknown, ClientError, Entry>;
   /** What is lost with it. */
   removal: string;
   children: ReactNode;
 }
 
 /** An entry of a list that people keep: what it does, what changes it, and below that what came of it. */
-export function EntryCard(props: EntryCardProps) {
+export function EntryCard<Entry extends { name: string; changed_by: string | null; changed_at: string }>(
+  props: EntryCardProps<Entry>,
+) {
   const { entry, words, control, buttons, reason, onEdit, remove, removal, children } = props;
   const [removing, dialog] = useDisclosure(false);
   const titleId = useId();
@@ -83,7 +85,7 @@ export function EntryCard(props: EntryCardProps) {
         opened={removing}
         onClose={dialog.close}
         remove={remove}
-        onRemove={() => remove.mutate(entry.id)}
+        onRemove={() => remove.mutate(entry)}
       >
         <Text size="sm">{removal}</Text>
       </RemovalDialog>

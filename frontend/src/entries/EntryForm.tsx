@@ -3,26 +3,42 @@ import { Stack, TextInput } from "@mantine/core";
 import type { UseMutationResult } from "@tanstack/react-query";
 import { type FormEvent, type ReactNode, useState } from "react";
 import { NameInput, ownName, setOwnName } from "../access/who";
+import type { Base } from "../api/version";
+import { Conflict, isConflict } from "../ui/Conflict";
 import { SaveBar } from "../ui/Dialog";
 import { newId } from "../ui/text";
 
-interface EntryFormProps<Draft extends { name: string }, Errors extends { name?: string }, Body, Stored> {
+interface EntryBase {
+  id: string;
+  etag: string;
+  changed_by: string | null;
+}
+
+interface EntryFormProps<
+  Entry extends EntryBase,
+  Draft extends { name: string },
+  Errors extends { name?: string },
+  Body,
+  Stored,
+> {
   /** What it is: `rule`. */
   noun: string;
-  /** The id of the entry that is changed; undefined for a new one. */
-  id: string | undefined;
-  /** What the form starts from. */
-  start: Draft;
-  /** All of them. */
-  entries: readonly { id: string }[];
+  /** The entry that is changed; null for a new one. */
+  entry: Entry | null;
+  /** The fields of an entry. */
+  draftOf: (entry: Entry | null) => Draft;
+  /** What a new one starts from. */
+  example: Partial<Draft> | undefined;
+  /** All of them, as they are now. */
+  entries: readonly Entry[];
   /** A name, as an example, and how long one may be. */
   placeholder: string;
   maxName: number;
   /** What is wrong with each field. */
   errorsOf: (draft: Draft) => Errors;
-  /** The request that stores it; `by` is null where no name is given. */
-  bodyOf: (draft: Draft, by: string | null) => Body;
-  save: UseMutationResult<Stored, ClientError, { id: string; body: Body }>;
+  /** The request that stores it in place of an entry, or as a new one; `by` is null where no name is given. */
+  bodyOf: (draft: Draft, by: string | null, replaced: Entry | null) => Body;
+  save: UseMutationResult<Stored, ClientError, { id: string; body: Body; base: Base }>;
   onSaved: (stored: Stored) => void;
   onCancel: () => void;
   /** The fields between its name and that of who saves it; errors are shown from the first try on. */
@@ -30,10 +46,17 @@ interface EntryFormProps<Draft extends { name: string }, Errors extends { name?:
 }
 
 /** Adds or changes something that is stored under a name, such as a rule or a webhook. */
-export function EntryForm<Draft extends { name: string }, Errors extends { name?: string }, Body, Stored>({
+export function EntryForm<
+  Entry extends EntryBase,
+  Draft extends { name: string },
+  Errors extends { name?: string },
+  Body,
+  Stored,
+>({
   noun,
-  id,
-  start,
+  entry,
+  draftOf,
+  example,
   entries,
   placeholder,
   maxName,
@@ -43,21 +66,33 @@ export function EntryForm<Draft extends { name: string }, Errors extends { name?
   onSaved,
   onCancel,
   children,
-}: EntryFormProps<Draft, Errors, Body, Stored>) {
-  const [draft, setDraft] = useState(start);
+}: EntryFormProps<Entry, Draft, Errors, Body, Stored>) {
+  /** What the draft is based on. */
+  const [base, setBase] = useState(entry);
+  const [draft, setDraft] = useState<Draft>({ ...draftOf(entry), ...example });
   const [by, setBy] = useState(ownName);
   const [tried, setTried] = useState(false);
   const errors = errorsOf(draft);
   const shown: Partial<Errors> = tried ? errors : {};
   const change = (part: Partial<Draft>) => setDraft((before) => ({ ...before, ...part }));
-  const submit = (event: FormEvent) => {
-    event.preventDefault();
+  const store = (replaced: Entry | null) => {
     setTried(true);
     if (Object.keys(errors).length > 0) return;
     setOwnName(by.trim());
-    const taken = entries.map((entry) => entry.id);
-    const body = bodyOf(draft, by.trim() || null);
-    save.mutate({ id: id ?? newId(draft.name, taken, noun), body }, { onSuccess: onSaved });
+    setBase(replaced);
+    const taken = entries.map(({ id }) => id);
+    const body = bodyOf(draft, by.trim() || null, replaced);
+    const id = entry?.id ?? newId(draft.name, taken, noun);
+    save.mutate({ id, body, base: replaced }, { onSuccess: onSaved });
+  };
+  const submit = (event: FormEvent) => {
+    event.preventDefault();
+    store(base);
+  };
+  const show = (newest: Entry) => {
+    setBase(newest);
+    setDraft(draftOf(newest));
+    save.reset();
   };
   return (
     <form onSubmit={submit} noValidate>
@@ -73,7 +108,20 @@ export function EntryForm<Draft extends { name: string }, Errors extends { name?
         />
         {children(draft, shown, change)}
         <NameInput value={by} description={`Shown with the ${noun}.`} onChange={setBy} />
-        <SaveBar save={save} onCancel={onCancel} />
+        <SaveBar
+          save={save}
+          onCancel={onCancel}
+          trouble={
+            isConflict(save.error) && (
+              <Conflict
+                error={save.error}
+                newest={entries.find(({ id }) => id === entry?.id)}
+                onShow={show}
+                onReplace={store}
+              />
+            )
+          }
+        />
       </Stack>
     </form>
   );

@@ -36,7 +36,7 @@ interface RemovalDialogProps {
   title: string;
   opened: boolean;
   onClose: () => void;
-  remove: UseMutationResult<unknown, ClientError, string>;
+  remove: Pick<UseMutationResult<unknown, ClientError, unknown>, "error" | "reset" | "isPending">;
   onRemove: () => void;
   verb?: "Remove" | "Revoke";
   /** What is lost. */
@@ -111,13 +111,15 @@ interface SaveBarProps {
   verb?: string;
   /** What was tried, as in "Saving did not work". */
   command?: string;
+  /** Says what went wrong in the error's place. */
+  trouble?: ReactNode;
 }
 
 /** The end of a form in a dialog: what went wrong, *Cancel* and *Save*. */
-export function SaveBar({ save, onCancel, verb = "Save", command = "Saving" }: SaveBarProps) {
+export function SaveBar({ save, onCancel, verb = "Save", command = "Saving", trouble }: SaveBarProps) {
   return (
     <>
-      <CommandErrorAlert command={command} error={save.error} onClose={save.reset} />
+      {trouble || <CommandErrorAlert command={command} error={save.error} onClose={save.reset} />}
       <Group justify="flex-end" gap="sm">
         <Button variant="default" onClick={onCancel}>
           Cancel

@@ -3,6 +3,7 @@
 from typing import Annotated
 
 from fastapi import APIRouter, Path, Request
+from starlette.responses import Response
 
 from dock_gateway.audit.trail import audited
 from dock_gateway.fleet.schema import AcknowledgementBody, Alert, AlertList, Label, RobotList
@@ -11,6 +12,7 @@ from dock_gateway.http.operation import carries_out
 from dock_gateway.http.parts import AllParts
 from dock_gateway.http.principal import ThePrincipal
 from dock_gateway.http.requests import Answer, RobotQuery, json_response
+from dock_gateway.http.resource import ChangeCondition, Item, item_response, removed
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.operations import fleet
 from dock_gateway.robots.labels import RobotLabel
@@ -47,17 +49,30 @@ async def list_alerts(parts: AllParts, principal: ThePrincipal) -> Answer[AlertL
     return json_response({"alerts": await fleet.list_alerts(parts, principal)})
 
 
+@router.get("/alerts/{alert_id}", tags=["Alerts"])
+@carries_out(fleet.get_alert)
+async def get_alert(alert_id: AlertId, parts: AllParts, principal: ThePrincipal) -> Item[Alert]:
+    """Return an active alert. Its version changes with its acknowledgement."""
+    return item_response(await fleet.get_alert(parts, principal, alert_id))
+
+
 @router.put("/alerts/{alert_id}/acknowledgement", tags=["Alerts"])
 @carries_out(fleet.acknowledge_alert)
 async def acknowledge(
-    alert_id: AlertId, body: SignedBody[AcknowledgementBody], parts: AllParts, principal: ThePrincipal
-) -> Answer[Alert]:
+    alert_id: AlertId,
+    body: SignedBody[AcknowledgementBody],
+    parts: AllParts,
+    principal: ThePrincipal,
+    condition: ChangeCondition,
+) -> Item[Alert]:
     """Acknowledge an alert. This holds at every gateway that shares the history, until the alert clears."""
-    return json_response(await fleet.acknowledge_alert(parts, principal, alert_id, body.by))
+    return item_response(await fleet.acknowledge_alert(parts, principal, alert_id, body.by, condition))
 
 
-@router.delete("/alerts/{alert_id}/acknowledgement", tags=["Alerts"])
+@router.delete("/alerts/{alert_id}/acknowledgement", tags=["Alerts"], status_code=204)
 @carries_out(fleet.acknowledge_alert)
-async def withdraw_acknowledgement(alert_id: AlertId, parts: AllParts, principal: ThePrincipal) -> Answer[Alert]:
+async def withdraw_acknowledgement(
+    alert_id: AlertId, parts: AllParts, principal: ThePrincipal, condition: ChangeCondition
+) -> Response:
     """Withdraw an acknowledgement. Succeeds even if there is none."""
-    return json_response(await fleet.acknowledge_alert(parts, principal, alert_id, None))
+    return await removed(fleet.acknowledge_alert(parts, principal, alert_id, None, condition))

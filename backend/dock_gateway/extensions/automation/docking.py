@@ -16,6 +16,7 @@ from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.tasks import Tasks
+from dock_gateway.core.versions import UNCONDITIONAL, Condition
 from dock_gateway.extensions.automation.activity import Activity
 from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome, Mode, Wait
 from dock_gateway.extensions.automation.decisions import DecisionLog
@@ -114,26 +115,42 @@ class AutomaticDocking:
             for rule_id, rule in sorted(rules.items(), key=lambda item: (item[1].name.casefold(), item[0]))
         ]
 
-    async def replace(self, rule_id: str, rule: RuleEntry) -> dict[str, Any]:
-        """Store a rule, new or changed, and return it. It starts from the beginning with each robot.
+    async def document(self, rule_id: str, grant: Grant = UNLIMITED) -> dict[str, Any]:
+        """Return a rule as `GET /automation/rules/{rule_id}` shows it.
 
         Raises:
+            NotFound: There is none, or it is not about robots of the grant (`rule_not_found`).
+            Unavailable: The history does not answer (`history_unavailable`).
+        """
+        for rule in await self.documents(grant):
+            if rule["id"] == rule_id:
+                return rule
+        raise self._rules.missing(rule_id)
+
+    async def replace(
+        self, rule_id: str, rule: RuleEntry, condition: Condition = UNCONDITIONAL
+    ) -> tuple[dict[str, Any], bool]:
+        """Store a rule, new or changed; return it, and whether it is new. It starts from the beginning with each robot.
+
+        Raises:
+            ChangedMeanwhile: It has not the version of the condition.
             Conflict: `limit_reached`.
             Unavailable: The history does not answer (`history_unavailable`); the rule is what it was.
         """
-        await self._rules.replace(rule_id, rule)
+        new = await self._rules.replace(rule_id, rule, condition=condition)
         log.info("rule %s (%r) of automatic docking: %s, by %s", rule_id, rule.name, rule.mode.value, rule.changed_by)
         await self._begin_anew(rule_id)
-        return self._document(rule_id, rule, self._fleet.states())
+        return self._document(rule_id, rule, self._fleet.states()), new
 
-    async def remove(self, rule_id: str) -> None:
+    async def remove(self, rule_id: str, condition: Condition = UNCONDITIONAL) -> None:
         """Remove a rule.
 
         Raises:
+            ChangedMeanwhile: It has not the version of the condition.
             NotFound: `rule_not_found`.
             Unavailable: The history does not answer (`history_unavailable`); the rule is still there.
         """
-        await self._rules.remove(rule_id)
+        await self._rules.remove(rule_id, condition)
         log.info("rule %s of automatic docking removed", rule_id)
         await self._begin_anew(rule_id)
 
@@ -147,6 +164,7 @@ class AutomaticDocking:
         default = Wait.OFF if rule.mode is Mode.OFF else Wait.DECIDING
         return {
             "id": rule_id,
+            "etag": self._rules.etag(rule),
             **rule.model_dump(),
             "applies_to": [
                 {"robot": state.name, "waits_for": self._waits.get((rule_id, state.name), default).value}

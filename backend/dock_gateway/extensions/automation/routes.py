@@ -24,6 +24,7 @@ from dock_gateway.http.requests import (
     read_goal_id,
     read_slug,
 )
+from dock_gateway.http.resource import ChangeCondition, Item, WriteCondition, item_response, removed
 from dock_gateway.http.route import ApiRoute
 
 router = APIRouter(route_class=ApiRoute, tags=["Automatic docking"], prefix="/automation")
@@ -47,22 +48,31 @@ async def list_rules(automation: Part[AutomaticDocking], grant: TheGrant) -> Ans
     return json_response({"rules": await automation.documents(grant)})
 
 
+@router.get("/rules/{rule_id}")
+@operation(Role.VIEWER, Scope.LISTED, errors=(404,))
+async def get_rule(rule_id: RuleId, automation: Part[AutomaticDocking], grant: TheGrant) -> Item[Rule]:
+    """Return a rule."""
+    return item_response(await automation.document(rule_id, grant))
+
+
 @router.put("/rules/{rule_id}")
 @operation(Role.SUPERVISOR, Scope.EVERY, errors=(409,))
-async def replace_rule(rule_id: RuleId, body: SignedBody[RuleBody], automation: Part[AutomaticDocking]) -> Answer[Rule]:
+async def replace_rule(
+    rule_id: RuleId, body: SignedBody[RuleBody], automation: Part[AutomaticDocking], condition: WriteCondition
+) -> Item[Rule]:
     """Store a rule, new or changed, at every gateway that shares the history. It starts from the beginning.
 
     A rule is off unless `mode` says otherwise. It has one condition, `battery` or `schedule`.
     """
-    return json_response(await automation.replace(rule_id, body.entry()))
+    rule, new = await automation.replace(rule_id, body.entry(), condition)
+    return item_response(rule, f"{router.prefix}/rules/{rule_id}" if new else None)
 
 
 @router.delete("/rules/{rule_id}", status_code=204)
-@operation(Role.SUPERVISOR, Scope.EVERY, errors=(404,))
-async def remove_rule(rule_id: RuleId, automation: Part[AutomaticDocking]) -> Response:
+@operation(Role.SUPERVISOR, Scope.EVERY)
+async def remove_rule(rule_id: RuleId, automation: Part[AutomaticDocking], condition: ChangeCondition) -> Response:
     """Remove a rule. Goals that it sent go on."""
-    await automation.remove(rule_id)
-    return Response(status_code=204)
+    return await removed(automation.remove(rule_id, condition))
 
 
 @router.get("/decisions")

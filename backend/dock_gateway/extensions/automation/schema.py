@@ -7,6 +7,7 @@ from pydantic import ConfigDict
 
 from dock_gateway.extensions.automation.decision import DecisionOutcome, Wait
 from dock_gateway.extensions.automation.rule import RuleEntry
+from dock_gateway.http.resource import Versioned
 from dock_gateway.http.schema import Schema
 
 
@@ -17,7 +18,7 @@ class RuleRobot(Schema):
     waits_for: Wait
 
 
-class Rule(RuleEntry):
+class Rule(RuleEntry, Versioned):
     """A rule of automatic docking. Either `battery` or `schedule` is null.
 
     `applies_to` lists the robots on the gateway that it applies to.

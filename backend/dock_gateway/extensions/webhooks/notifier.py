@@ -14,6 +14,7 @@ from dock_gateway.core.errors import Conflict
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import Tasks
+from dock_gateway.core.versions import UNCONDITIONAL, Condition
 from dock_gateway.extensions.webhooks.delivery import Delivery, DeliveryState, EventType
 from dock_gateway.extensions.webhooks.outbox import Document, Outbox, delivery_document
 from dock_gateway.extensions.webhooks.sender import new_secret
@@ -98,14 +99,31 @@ class Notifier:
         ordered = sorted(webhooks.items(), key=lambda item: (item[1].name.casefold(), item[0]))
         return [self._document(webhook_id, webhook) for webhook_id, webhook in ordered]
 
-    async def replace(self, webhook_id: str, webhook: WebhookEntry) -> Document:
-        """Store a webhook, new or changed, and return it, with its secret if that was made now.
+    async def document(self, webhook_id: str) -> Document:
+        """Return a webhook as `GET /webhooks/{webhook_id}` shows it.
+
+        Raises:
+            NotFound: `webhook_not_found`.
+            Unavailable: The history does not answer (`history_unavailable`).
+        """
+        webhook = (await self._read()).get(webhook_id)
+        if webhook is None:
+            raise self._webhooks.missing(webhook_id)
+        await self._outbox.read()
+        return self._document(webhook_id, webhook)
+
+    async def replace(
+        self, webhook_id: str, webhook: WebhookEntry, condition: Condition = UNCONDITIONAL
+    ) -> tuple[Document, bool]:
+        """Store a webhook, new or changed; return it, with its secret if that was made now, and whether it is new.
 
         Args:
             webhook_id: Its id.
             webhook: The webhook; with an empty secret, it keeps the one that it has, or gets a random one.
+            condition: The version that it must have.
 
         Raises:
+            ChangedMeanwhile: The condition is not true.
             Conflict: `limit_reached`.
             Unavailable: The history does not answer (`history_unavailable`); the webhook is what it was.
         """
@@ -115,21 +133,22 @@ class Notifier:
             made = None if known is not None else new_secret()
             secret = made or (known.secret if known is not None else "")
             webhook = webhook.model_copy(update={"secret": secret})
-        await self._webhooks.replace(webhook_id, webhook)
+        new = await self._webhooks.replace(webhook_id, webhook, condition=condition)
         state = "on" if webhook.enabled else "off"
         log.info("webhook %s (%r): %s, by %s", webhook_id, webhook.name, state, webhook.changed_by)
         await self._outbox.tidy()
         self._compare()
-        return self._document(webhook_id, webhook) | {"secret": made}
+        return self._document(webhook_id, webhook) | {"secret": made}, new
 
-    async def remove(self, webhook_id: str) -> None:
+    async def remove(self, webhook_id: str, condition: Condition = UNCONDITIONAL) -> None:
         """Remove a webhook with its deliveries.
 
         Raises:
+            ChangedMeanwhile: It has not the version of the condition.
             NotFound: `webhook_not_found`.
             Unavailable: The history does not answer (`history_unavailable`); the webhook is still there.
         """
-        await self._webhooks.remove(webhook_id)
+        await self._webhooks.remove(webhook_id, condition)
         log.info("webhook %s removed", webhook_id)
         await self._outbox.tidy()
 
@@ -144,6 +163,7 @@ class Notifier:
         _, identity, last = max(tried, key=lambda each: each[0], default=(None, "", None))
         return {
             "id": webhook_id,
+            "etag": self._webhooks.etag(webhook),
             **webhook.model_dump(exclude={"secret"}),
             "pending": sum(each.state is DeliveryState.PENDING for _, each in own),
             "last_delivery": None if last is None else delivery_document(identity, last),

@@ -7,13 +7,14 @@ from starlette.responses import Response
 
 from dock_gateway.core.grant import Role
 from dock_gateway.extensions.webhooks.notifier import Notifier
-from dock_gateway.extensions.webhooks.schema import Delivery, DeliveryList, StoredWebhook, WebhookList
+from dock_gateway.extensions.webhooks.schema import Delivery, DeliveryList, StoredWebhook, Webhook, WebhookList
 from dock_gateway.extensions.webhooks.webhook import WebhookBody
 from dock_gateway.http.bodies import SignedBody
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import ADMIN_IF_FORWARDED
 from dock_gateway.http.requests import SLUG_IN_PATH, Answer, LimitQuery, json_response, read_slug
+from dock_gateway.http.resource import ChangeCondition, Item, WriteCondition, item_response, removed
 from dock_gateway.http.route import ApiRoute
 
 router = APIRouter(route_class=ApiRoute, tags=["Webhooks"], prefix="/webhooks", dependencies=[ADMIN_IF_FORWARDED])
@@ -33,24 +34,31 @@ async def list_webhooks(notifier: Part[Notifier]) -> Answer[WebhookList]:
     return json_response({"webhooks": await notifier.documents()})
 
 
+@router.get("/{webhook_id}")
+@operation(Role.SUPERVISOR, Scope.EVERY, errors=(404,))
+async def get_webhook(webhook_id: WebhookId, notifier: Part[Notifier]) -> Item[Webhook]:
+    """Return a webhook with its last delivery. Its secret is not shown."""
+    return item_response(await notifier.document(webhook_id))
+
+
 @router.put("/{webhook_id}")
 @operation(Role.SUPERVISOR, Scope.EVERY, errors=(409,))
 async def replace_webhook(
-    webhook_id: WebhookId, body: SignedBody[WebhookBody], notifier: Part[Notifier]
-) -> Answer[StoredWebhook]:
+    webhook_id: WebhookId, body: SignedBody[WebhookBody], notifier: Part[Notifier], condition: WriteCondition
+) -> Item[StoredWebhook]:
     """Store a webhook, new or changed, at every gateway that shares the history.
 
     It receives the present alerts, and then each that begins or ends.
     """
-    return json_response(await notifier.replace(webhook_id, body.entry()))
+    webhook, new = await notifier.replace(webhook_id, body.entry(), condition)
+    return item_response(webhook, f"{router.prefix}/{webhook_id}" if new else None)
 
 
 @router.delete("/{webhook_id}", status_code=204)
-@operation(Role.SUPERVISOR, Scope.EVERY, errors=(404,))
-async def remove_webhook(webhook_id: WebhookId, notifier: Part[Notifier]) -> Response:
+@operation(Role.SUPERVISOR, Scope.EVERY)
+async def remove_webhook(webhook_id: WebhookId, notifier: Part[Notifier], condition: ChangeCondition) -> Response:
     """Remove a webhook with its deliveries. What has not been sent yet is not sent."""
-    await notifier.remove(webhook_id)
-    return Response(status_code=204)
+    return await removed(notifier.remove(webhook_id, condition))
 
 
 @router.post("/{webhook_id}/test")

@@ -5,6 +5,7 @@ from datetime import datetime
 from dock_gateway.extensions.webhooks.delivery import DeliveryState, EventType
 from dock_gateway.extensions.webhooks.webhook import ChangedWebhook
 from dock_gateway.fleet.schema import Alert
+from dock_gateway.http.resource import Versioned
 from dock_gateway.http.schema import Schema
 
 
@@ -54,7 +55,7 @@ class DeliveryList(Schema):
     deliveries: list[Delivery]
 
 
-class Webhook(ChangedWebhook):
+class Webhook(ChangedWebhook, Versioned):
     """An address that receives alerts. `pending` counts the deliveries that are still to be sent."""
 
     id: str

@@ -24,7 +24,7 @@ export function RuleCard({ rule, onEdit }: { rule: Rule; onEdit: () => void }) {
   const { save, remove } = useRuleCommands();
   const [asking, ask] = useDisclosure(false);
   const setMode = (mode: RuleMode, by = ownName().trim() || null) =>
-    save.mutate({ id: rule.id, body: withMode(rule, mode, by) });
+    save.mutate({ id: rule.id, body: withMode(rule, mode, by), base: rule });
   const choose = (value: string) => {
     const mode = value as RuleMode;
     if (mode === "on" && rule.mode !== "on") ask.open();

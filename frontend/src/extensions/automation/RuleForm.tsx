@@ -45,18 +45,17 @@ interface RuleFormProps {
 /** Adds a rule, which is off, or changes one, which keeps its mode. */
 export function RuleForm({ rule, example, rules, onDone }: RuleFormProps) {
   const { save } = useRuleCommands();
-  // The current mode: the rule may have been switched since the form was opened. A removed rule is saved as off.
-  const mode = rules.find(({ id }) => id === rule?.id)?.mode ?? "off";
   return (
     <EntryForm
       noun="rule"
-      id={rule?.id}
-      start={{ ...draftOf(rule), ...example }}
+      entry={rule}
+      draftOf={draftOf}
+      example={example}
       entries={rules}
       placeholder="Low battery"
       maxName={MAX_NAME}
       errorsOf={errorsOf}
-      bodyOf={(draft, by) => bodyOf(draft, mode, by)}
+      bodyOf={(draft, by, replaced) => bodyOf(draft, replaced?.mode ?? "off", by)}
       save={save}
       onSaved={onDone}
       onCancel={onDone}
@@ -79,7 +78,7 @@ export function RuleForm({ rule, example, rules, onDone }: RuleFormProps) {
           )}
           <RobotFields chosen={draft} error={errors.names} onChange={change} />
           <Covered draft={draft} />
-          {mode === "on" && (
+          {rule?.mode === "on" && (
             <Alert color="orange" title="This rule is on">
               What you save applies at once.
             </Alert>

@@ -1,4 +1,5 @@
 import { type components, deadline, type Http, type paths, settle } from "@dock-gateway/client";
+import { type Base, ifUnchanged } from "../../api/version";
 
 type Schemas = components["schemas"];
 
@@ -17,13 +18,14 @@ export async function listRules(http: Http): Promise<Rule[]> {
   return (await settle(http.GET("/automation/rules", { signal: deadline() }))).rules;
 }
 
-export function putRule(http: Http, id: string, body: RuleBody): Promise<Rule> {
-  const params = { path: { rule_id: id } };
+/** @param base The rule that it replaces, as it was read. */
+export function putRule(http: Http, id: string, body: RuleBody, base: Base): Promise<Rule> {
+  const params = { path: { rule_id: id }, header: ifUnchanged(base) };
   return settle(http.PUT("/automation/rules/{rule_id}", { params, body, signal: deadline() }));
 }
 
-export async function deleteRule(http: Http, id: string): Promise<void> {
-  const params = { path: { rule_id: id } };
+export async function deleteRule(http: Http, rule: Rule): Promise<void> {
+  const params = { path: { rule_id: rule.id }, header: ifUnchanged(rule) };
   await settle(http.DELETE("/automation/rules/{rule_id}", { params, signal: deadline() }));
 }
 

@@ -3,6 +3,7 @@ import { Anchor } from "@mantine/core";
 import { useQueryClient } from "@tanstack/react-query";
 import { useCallback, useEffect } from "react";
 import { Link } from "react-router";
+import type { Base } from "../../api/version";
 import { useFleet, useFleetEvent, useFleetLive } from "../../fleet/context";
 import { useAnswer, useCommand } from "../../ui/requests";
 import {
@@ -71,15 +72,20 @@ export function useRuleCommands() {
     client.setQueryData<Rule[]>(RULES, (rules) => edit(rules ?? []));
     void client.invalidateQueries({ queryKey: KEY });
   };
-  const save = useCommand(async ({ id, body }: { id: string; body: RuleBody }) => {
-    const saved = await putRule(http, id, body);
+  /** What someone else has changed has to be there when it is said. */
+  const renewed = async (error: unknown) => {
+    await client.invalidateQueries({ queryKey: RULES });
+    throw error;
+  };
+  const save = useCommand(async ({ id, body, base }: { id: string; body: RuleBody; base: Base }) => {
+    const saved = await putRule(http, id, body, base).catch(renewed);
     await change((rules) =>
       [...rules.filter((rule) => rule.id !== id), saved].sort((a, b) => a.name.localeCompare(b.name)),
     );
   });
-  const remove = useCommand(async (id: string) => {
-    await deleteRule(http, id);
-    await change((rules) => rules.filter((rule) => rule.id !== id));
+  const remove = useCommand(async (removed: Rule) => {
+    await deleteRule(http, removed).catch(renewed);
+    await change((rules) => rules.filter(({ id }) => id !== removed.id));
   });
   return { save, remove };
 }

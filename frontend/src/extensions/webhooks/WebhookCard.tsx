@@ -38,7 +38,11 @@ export function WebhookCard({ webhook, onEdit }: { webhook: Webhook; onEdit: () 
           checked={webhook.enabled}
           disabled={reason !== null || save.isPending}
           onChange={({ currentTarget: { checked } }) =>
-            save.mutate({ id: webhook.id, body: switched(webhook, checked, ownName().trim() || null) })
+            save.mutate({
+              id: webhook.id,
+              body: switched(webhook, checked, ownName().trim() || null),
+              base: webhook,
+            })
           }
         />
       }

@@ -24,13 +24,14 @@ export function WebhookForm({ webhook, example, webhooks, onDone }: WebhookFormP
   return (
     <EntryForm
       noun="webhook"
-      id={webhook?.id}
-      start={{ ...draftOf(webhook), ...example }}
+      entry={webhook}
+      draftOf={draftOf}
+      example={example}
       entries={webhooks}
       placeholder="Control room"
       maxName={NAME.maxLength}
       errorsOf={errorsOf}
-      bodyOf={(draft, by) => bodyOf(draft, webhook?.enabled ?? true, by)}
+      bodyOf={(draft, by, replaced) => bodyOf(draft, replaced?.enabled ?? true, by)}
       save={save}
       onSaved={onDone}
       onCancel={() => onDone(null)}

@@ -1,4 +1,5 @@
 import { type components, deadline, type Http, type paths, settle } from "@dock-gateway/client";
+import { type Base, ifUnchanged } from "../../api/version";
 
 type Schemas = components["schemas"];
 
@@ -19,13 +20,14 @@ export async function listWebhooks(http: Http): Promise<Webhook[]> {
   return (await settle(http.GET("/webhooks", { signal: deadline() }))).webhooks;
 }
 
-export function putWebhook(http: Http, id: string, body: WebhookBody): Promise<StoredWebhook> {
-  const params = { path: { webhook_id: id } };
+/** @param base The webhook that it replaces, as it was read. */
+export function putWebhook(http: Http, id: string, body: WebhookBody, base: Base): Promise<StoredWebhook> {
+  const params = { path: { webhook_id: id }, header: ifUnchanged(base) };
   return settle(http.PUT("/webhooks/{webhook_id}", { params, body, signal: deadline() }));
 }
 
-export async function deleteWebhook(http: Http, id: string): Promise<void> {
-  const params = { path: { webhook_id: id } };
+export async function deleteWebhook(http: Http, webhook: Webhook): Promise<void> {
+  const params = { path: { webhook_id: webhook.id }, header: ifUnchanged(webhook) };
   await settle(http.DELETE("/webhooks/{webhook_id}", { params, signal: deadline() }));
 }
 

@@ -1,5 +1,6 @@
 import { useQueryClient } from "@tanstack/react-query";
 import { useForbidden } from "../../api/session";
+import type { Base } from "../../api/version";
 import { useFleet, useFleetLive } from "../../fleet/context";
 import type { Naming } from "../../fleet/names";
 import { useAnswer, useCommand } from "../../ui/requests";
@@ -54,15 +55,11 @@ export function useWebhookCommands() {
   const client = useQueryClient();
   // Not the deliveries: those of a webhook that was removed are gone.
   const changed = () => client.invalidateQueries({ queryKey: KEY, exact: true });
-  const save = useCommand(async ({ id, body }: { id: string; body: WebhookBody }): Promise<StoredWebhook> => {
-    const stored = await putWebhook(http, id, body);
-    await changed();
-    return stored;
-  });
-  const remove = useCommand(async (id: string) => {
-    await deleteWebhook(http, id);
-    await changed();
-  });
+  const save = useCommand(
+    ({ id, body, base }: { id: string; body: WebhookBody; base: Base }): Promise<StoredWebhook> =>
+      putWebhook(http, id, body, base).finally(changed),
+  );
+  const remove = useCommand((webhook: Webhook) => deleteWebhook(http, webhook).finally(changed));
   const test = useCommand(async (id: string) => {
     const delivery = await testWebhook(http, id);
     void client.invalidateQueries({ queryKey: [...KEY, id] });

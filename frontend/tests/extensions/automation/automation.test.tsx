@@ -1,4 +1,4 @@
-import { act, screen, within } from "@testing-library/react";
+import { screen, within } from "@testing-library/react";
 import { describe, expect, it, vi } from "vitest";
 import type { Decision, Rule, RuleBody } from "../../../src/extensions/automation/requests";
 // Loaded on demand by the page: on a busy machine their first import takes longer than a test waits.
@@ -12,6 +12,7 @@ import { fakeGateway, renderPage } from "../../page";
 
 const LOW: Rule = {
   id: "low-battery",
+  etag: '"1"',
   name: "Low battery",
   mode: "off",
   robots: { all: true, names: [], groups: [] },
@@ -58,13 +59,19 @@ function answering(rules: Rule[], decisions: Decision[] = []) {
     if (!pathname.startsWith("/automation/rules/")) return Response.json({}, { status: 404 });
     const body = request.method === "PUT" ? ((await request.json()) as RuleBody) : null;
     stored.push({ id, body });
+    const before = rules.find((rule) => rule.id === id);
+    const match = request.headers.get("If-Match");
+    if (match !== null && match !== before?.etag) {
+      const problem = { code: "changed_meanwhile", title: "Changed meanwhile", detail: "no" };
+      return Response.json(problem, { status: 412 });
+    }
     const others = rules.filter((rule) => rule.id !== id);
     if (body === null) {
       rules = others;
       return new Response(null, { status: 204 });
     }
-    const known = rules.find((rule) => rule.id === id) ?? { ...LOW, id };
-    const saved = { ...known, name: body.name, mode: body.mode ?? "off" };
+    const known = before ?? { ...LOW, id };
+    const saved = { ...known, etag: `"${stored.length}"`, name: body.name, mode: body.mode ?? "off" };
     rules = [...others, saved];
     return Response.json(saved);
   });
@@ -182,20 +189,27 @@ describe("the page", () => {
     expect(stored[0]?.body).toMatchObject({ mode: "off", schedule: { times: ["22:00"] } });
   });
 
-  it("keeps a rule off that somebody has switched off while it was edited", async () => {
+  it.each([
+    ["Show the new version", "Night", "off"],
+    ["Replace it with mine", "Mine", "off"],
+  ])("does not lose what someone else has changed meanwhile: %s", async (button, name, mode) => {
     const stored = answering([{ ...LOW, mode: "on" }]);
-    const { store, user } = open();
+    const { user } = open();
     await user.click(await screen.findByRole("button", { name: "Edit Low battery" }));
-    const body = JSON.stringify({ name: "Low battery", mode: "off" });
+    const field = await screen.findByRole("textbox", { name: "Name" });
+    await user.clear(field);
+    await user.type(field, "Mine");
+    const body = JSON.stringify({ name: "Night", mode: "off" });
     await fetch(new Request("http://gateway:8000/automation/rules/low-battery", { method: "PUT", body }));
-    act(() => store.onEvent({ type: "automation", time: SENT.at, automation: SENT }));
-    await vi.waitFor(() => {
-      const modes = screen.getByRole("radiogroup", { name: "Mode of Low battery", hidden: true });
-      expect(within(modes).getByRole("radio", { name: "Off", hidden: true })).toHaveProperty("checked", true);
-    });
     await user.click(screen.getByRole("button", { name: "Save" }));
-    await vi.waitFor(() => expect(stored).toHaveLength(2));
-    expect(stored.at(-1)?.body?.mode).toBe("off");
+    expect(await screen.findByText("Ada has changed it meanwhile")).toBeDefined();
+    await user.click(screen.getByRole("button", { name: button }));
+    if (button === "Show the new version") {
+      expect(field).toHaveProperty("value", "Night");
+      await user.click(screen.getByRole("button", { name: "Save" }));
+    }
+    await vi.waitFor(() => expect(screen.queryByRole("dialog")).toBeNull());
+    expect(stored.at(-1)?.body).toMatchObject({ name, mode });
   });
 
   it("lists decisions with their goals, and removes rules", async () => {

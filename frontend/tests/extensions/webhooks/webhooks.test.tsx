@@ -11,6 +11,7 @@ import { fakeGateway, renderPage } from "../../page";
 
 const LOW: Alert = {
   id: "low",
+  etag: '"1"',
   kind: "low_battery",
   robot: "/robot1",
   severity: "warning",
@@ -40,6 +41,7 @@ const SENT: Delivery = {
 };
 const ROOM: Webhook = {
   id: "room",
+  etag: '"1"',
   name: "Control room",
   url: "https://hooks.example.com/a",
   enabled: true,

@@ -1,0 +1,47 @@
+import type { ClientError } from "@dock-gateway/client";
+import { Alert, Button, Group, Text } from "@mantine/core";
+
+interface ConflictProps<Entry> {
+  error: ClientError | null;
+  /** The entry as it is now; undefined where it was removed. */
+  newest: Entry | undefined;
+  /** Shows it in the form, in place of what was typed. */
+  onShow: (newest: Entry) => void;
+  /** Saves what was typed all the same, in its place. */
+  onReplace: (newest: Entry | null) => void;
+}
+
+/** Whether somebody else has changed what a form changes. */
+export function isConflict(error: ClientError | null): boolean {
+  return error?.code === "changed_meanwhile";
+}
+
+/** Says that somebody else has changed meanwhile what a form changes, and how to go on; nothing for other errors. */
+export function Conflict<Entry extends object>(props: ConflictProps<Entry>) {
+  const { error, newest, onShow, onReplace } = props;
+  if (!isConflict(error)) return null;
+  const by = newest !== undefined && "changed_by" in newest ? newest.changed_by : null;
+  return (
+    <Alert
+      color="orange"
+      role="alert"
+      title={
+        newest === undefined
+          ? "Someone else has removed it"
+          : `${by ?? "Someone else"} has changed it meanwhile`
+      }
+    >
+      <Text size="sm">Your changes are not saved.</Text>
+      <Group gap="sm" mt="xs">
+        {newest !== undefined && (
+          <Button variant="default" size="compact-sm" onClick={() => onShow(newest)}>
+            Show the new version
+          </Button>
+        )}
+        <Button variant="default" size="compact-sm" onClick={() => onReplace(newest ?? null)}>
+          {newest === undefined ? "Save it as a new one" : "Replace it with mine"}
+        </Button>
+      </Group>
+    </Alert>
+  );
+}
