@@ -37,6 +37,7 @@ READERS: dict[type[BaseModel], dict[str, Reader]] = {
     },
     Alert: {
         "id": fields.site_id,
+        "etag": fields.text,
         "kind": fields.text,
         "robot": fields.whole_site,
         "severity": fields.one_of("critical", "warning"),

@@ -16,20 +16,23 @@ class RouteClient:
 
     Args:
         parts: What the routes need, besides what every request does.
+
+    Attributes:
+        http: The client beneath.
     """
 
     def __init__(self, parts: dict[type, Any] | None = None) -> None:
         settings = Settings(database_url="memory:")
         self.parts = Parts({**audit_parts(), Settings: settings, **(parts or {})})
         self.app = create_app(settings, self.parts)
-        self._http = TestClient(self.app, base_url="http://127.0.0.1:8000")
+        self.http = TestClient(self.app, base_url="http://127.0.0.1:8000")
 
     def __enter__(self) -> Self:
-        self._http.__enter__()
+        self.http.__enter__()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._http.__exit__()
+        self.http.__exit__()
 
     def send(self, method: str, path: str, status: int = 200, *, template: str = "", **content: Any) -> Any:
         """Send a request. The answer has this status, and is as the OpenAPI document says; return its JSON.
@@ -41,7 +44,7 @@ class RouteClient:
             template: The path as the document has it, where it is another one.
             content: As httpx takes it: `json`, `content`, `headers`.
         """
-        answer = self._http.request(method, path, **content)
+        answer = self.http.request(method, path, **content)
         assert answer.status_code == status, answer.text
         kind = answer.headers.get("content-type", "")
         check_answer(method, template or path.partition("?")[0], status, kind, answer.content)

@@ -54,6 +54,7 @@ ROBOT: dict[str, Any] = {
 
 ALERT = {
     "id": "0123456789abcdef",
+    "etag": '"1"',
     "kind": "low_battery",
     "robot": "/robot1",
     "severity": "warning",

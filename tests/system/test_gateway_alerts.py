@@ -72,8 +72,7 @@ def test_a_low_battery_is_acknowledged_everywhere_until_it_is_over(
         assert until_alerts(stream, "low_battery") == [seen] == alerts(gateway)
         with running_gateway(shared_domain, database_url=database, **QUICK) as other:
             wait_until(lambda: acknowledger(other, alert["id"]) == "Ada", "the alert, acknowledged")
-            withdrawn = other.http.delete(path).raise_for_status().json()
-            assert withdrawn["acknowledged"] is None
+            assert other.http.delete(path).status_code == 204
             wait_until(lambda: acknowledger(gateway, alert["id"]) is None, "nobody has acknowledged it")
             other.http.put(path, json={"by": "Bob"}).raise_for_status()
             wait_until(lambda: acknowledger(gateway, alert["id"]) == "Bob", "Bob has acknowledged it")

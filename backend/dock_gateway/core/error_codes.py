@@ -158,6 +158,12 @@ CORE = (
     ),
     ErrorCode("unsupported_media_type", 415, "The body's `Content-Type` is not accepted as JSON."),
     ErrorCode(
+        "changed_meanwhile",
+        412,
+        "The change depends on a version, and someone else has changed, removed or added it: read it again, then decide.",
+        "api.md#changes-by-several-people",
+    ),
+    ErrorCode(
         "served_elsewhere",
         421,
         "Another gateway serves the robot; `gateway` says where it is, if that is known.",

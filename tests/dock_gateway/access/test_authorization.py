@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from fastapi.routing import APIRoute, APIWebSocketRoute
+from hypothesis import HealthCheck, given, settings
 from starlette.testclient import TestClient, WebSocketDenialResponse, WebSocketTestSession
 
 from dock_gateway.access.logins import Logins
@@ -25,6 +26,7 @@ from tests.support.audit import audit_parts
 from tests.support.history import HistoryInMemory
 from tests.support.parts import Refusing
 from tests.support.shapes import check_answer
+from tests.support.versions import STEPS, Resource, Step, require_that_nothing_is_lost
 
 ROUTES_OF_API = [route for router in api_routers(Settings(), extensions()) for route in router.routes]
 REQUESTS = [
@@ -230,7 +232,8 @@ def test_tokens_over_http(site: Site) -> None:
         assert admin.post("/tokens", json={"name": "cron", "role": "viewer"}).json()["code"] == "token_exists"
         assert admin.delete(f"/tokens/{token['id']}").status_code == 204
         assert admin.get("/robots", headers=use).json()["code"] == "invalid_token"
-        assert admin.delete(f"/tokens/{token['id']}").json()["code"] == "token_not_found"
+        assert admin.delete(f"/tokens/{token['id']}").status_code == 204
+        assert admin.get(f"/tokens/{token['id']}").json()["code"] == "token_not_found"
 
 
 @pytest.mark.parametrize(
@@ -312,7 +315,7 @@ def test_a_page_of_another_site_cannot_use_a_session(users: Site) -> None:
         log_in(client)
         changes = [
             ("DELETE", "/session", None),
-            ("DELETE", "/sessions", None),
+            ("DELETE", "/session?everywhere=true", None),
             ("PUT", "/session/password", {"old": PASSWORD, "new": "x" * 12}),
             ("POST", "/session", {"user": "ada", "password": PASSWORD}),
             ("PUT", "/users/eve", {"role": "admin", "password": "x" * 12}),
@@ -381,11 +384,11 @@ def test_the_own_password(users: Site) -> None:
         assert client.get("/session").json()["principal"]["name"] == "ada"
         assert other.get("/session").json()["principal"] is None
         assert log_in(other, password=new).status_code == 200
-        assert client.delete("/sessions").status_code == 204
+        assert client.delete("/session?everywhere=true").json()["principal"] is None
         assert list(client.cookies) == ["dock-gateway-browser"]
         assert other.get("/session").json()["principal"] is None
     with users.client(Role.ADMIN) as script:
-        for method, path, body in (("DELETE", "/sessions", None), ("PUT", "/session/password", change)):
+        for method, path, body in (("DELETE", "/session?everywhere=true", None), ("PUT", "/session/password", change)):
             assert script.request(method, path, json=body).json()["code"] == "user_required"
 
 
@@ -414,7 +417,8 @@ def test_users_over_http(users: Site) -> None:
         assert admin.put("/users/bob", json={"role": "viewer", "disabled": True}).json()["disabled"] is True
         assert log_in(client, "bob").json()["code"] == "invalid_login"
         assert admin.delete("/users/bob").status_code == 204
-        assert admin.delete("/users/bob").json()["code"] == "user_not_found"
+        assert admin.delete("/users/bob").status_code == 204
+        assert admin.get("/users/bob").json()["code"] == "user_not_found"
         assert admin.delete("/users/bob/sessions").json()["code"] == "user_not_found"
 
 
@@ -435,3 +439,33 @@ def test_what_is_no_user(users: Site, name: str, body: object, path: str) -> Non
         answer = admin.put(f"/users/{name}", json=body)
     assert answer.status_code == 422
     assert [error["path"] for error in answer.json()["errors"]] == [path]
+
+
+@settings(max_examples=8, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(steps=STEPS)
+def test_of_two_admins_who_change_a_user_none_loses_a_change(users: Site, steps: list[tuple[Step, int]]) -> None:
+    with users.client(Role.ADMIN) as admin:
+        body = lambda each: {"role": "viewer", "robots": [f"/robot{each}"], "password": PASSWORD}  # noqa: E731
+        number = lambda user: int(user["robots"][0].removeprefix("/robot"))  # noqa: E731
+        require_that_nothing_is_lost(Resource(admin, "/users/eve", body, number), steps)
+
+
+def test_what_a_user_does_makes_no_new_version(users: Site) -> None:
+    with users.client(Role.ADMIN) as admin, users.client() as client:
+        before = admin.get("/users/ada")
+        log_in(client)
+        after = admin.get("/users/ada")
+        assert before.json()["logged_in_at"] != after.json()["logged_in_at"]
+        assert before.headers["etag"] == after.headers["etag"]
+
+
+def test_a_new_token_is_found_at_its_location(users: Site) -> None:
+    with users.client(Role.ADMIN) as admin:
+        created = admin.post("/tokens", json={"name": "cron", "role": "viewer"})
+        path = created.headers["location"]
+        shown = admin.get(path)
+        assert shown.json() | {"secret": created.json()["secret"]} == created.json()
+        assert shown.headers["etag"] == created.headers["etag"]
+        assert admin.delete(path, headers={"If-Match": '"other"'}).json()["code"] == "changed_meanwhile"
+        assert admin.delete(path, headers={"If-Match": shown.headers["etag"]}).status_code == 204
+        assert admin.delete(path, headers={"If-Match": shown.headers["etag"]}).status_code == 204

@@ -7,10 +7,11 @@ from typing import Any, cast
 import orjson
 import pytest
 
-from dock_gateway.core.errors import NotFound
+from dock_gateway.core.errors import ChangedMeanwhile, NotFound
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
+from dock_gateway.core.versions import Condition
 from dock_gateway.fleet import alert_kinds
 from dock_gateway.fleet.alert import Acknowledgement, Alert, alert_id
 from dock_gateway.fleet.alert_board import AlertBoard
@@ -77,11 +78,11 @@ async def test_alerts_are_told_when_they_change(scene: Scene) -> None:
     document = await board.acknowledge(ID, "Ada")
     assert document["acknowledged"].by == "Ada"
     assert await told(scene.reader) == [[("low_battery", "Ada")]]
-    assert (await board.withdraw(ID))["acknowledged"] is None
+    assert (await board.acknowledge(ID, None))["acknowledged"] is None
     assert await told(scene.reader) == [[("low_battery", None)]]
     board.update(WELL, [])
     assert await told(scene.reader) == [[]]
-    for change in (board.acknowledge(ID, "Ada"), board.withdraw(ID)):
+    for change in (board.acknowledge(ID, "Ada"), board.acknowledge(ID, None)):
         with pytest.raises(NotFound) as refused:
             await change
         assert refused.value.code == "alert_not_found"
@@ -107,7 +108,7 @@ async def test_another_gateway_hears_of_it(scene: Scene) -> None:
     await until_acknowledged(other, "Ada")
     other.update(LOW, [])
     assert (await told(scene.reader))[-1] == [("low_battery", "Ada")]
-    await other.withdraw(ID)
+    await other.acknowledge(ID, None)
     await until_acknowledged(one, None)
 
 
@@ -135,3 +136,15 @@ async def test_a_source_that_fails_hides_no_other_alert(scene: Scene, caplog: py
         board.update(LOW, [])
     assert {document["kind"] for document in board.documents()} == {"low_battery", "extension_failed"}
     assert caplog.text.count("alerts cannot be read") == 1
+
+
+async def test_of_two_people_who_acknowledge_one_version_one_does(scene: Scene) -> None:
+    board = scene.board()
+    board.update(LOW, [])
+    seen = Condition(frozenset({board.document(ID)["etag"]}))
+    mine = await board.acknowledge(ID, "Ada", seen)
+    for by in ("Bob", None):
+        with pytest.raises(ChangedMeanwhile):
+            await board.acknowledge(ID, by, seen)
+    assert board.document(ID) == mine
+    assert (await board.acknowledge(ID, None, Condition(frozenset({mine["etag"]}))))["acknowledged"] is None

@@ -272,6 +272,7 @@ def test_an_alert_as_a_document() -> None:
     seen = Acknowledgement("Ada", NOON)
     assert alert.document(seen) == {
         "id": alert.id,
+        "etag": alert.etag(seen),
         "kind": "stop_latched",
         "robot": "/robot1",
         "severity": "critical",

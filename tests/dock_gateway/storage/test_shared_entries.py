@@ -8,9 +8,10 @@ from typing import Any
 
 import pytest
 
-from dock_gateway.core.errors import Unavailable
+from dock_gateway.core.errors import ChangedMeanwhile, NotFound, Unavailable
+from dock_gateway.core.versions import Condition
 from dock_gateway.fleet.alert import Acknowledgement
-from dock_gateway.storage.shared_entries import SharedEntries
+from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
 from tests.support.entries import SharedStore
 from tests.support.history import HistoryInMemory, open_at
 from tests.support.waiting import until
@@ -121,3 +122,32 @@ async def test_a_history_in_memory_keeps_them_too() -> None:
     assert await here.sync()
     assert await again.sync()
     assert again.get("a") == ADA
+
+
+async def test_of_two_writes_that_are_based_on_one_version_one_is_made(database_url: str, tmp_path: Path) -> None:
+    async with open_at(database_url, tmp_path / "a") as first, open_at(database_url, tmp_path / "b") as second:
+        await until(lambda: first.stats().database_reachable and second.stats().database_reachable)
+        books = [
+            SharedBook(each.documents("acknowledgement", Acknowledgement), "acknowledgement", 3)
+            for each in (first, second)
+        ]
+        assert await books[0].replace("a", ADA)
+        etag = books[0].etag((await books[1].read())["a"])
+        assert etag == books[0].etag(ADA)
+        assert etag != books[0].etag(BOB)
+        based = Condition(frozenset({str(etag)}))
+        for change in (
+            lambda book, number: book.replace("a", Acknowledgement(f"{number}", NOON), condition=based),
+            lambda book, _: book.remove("a", based),
+        ):
+            await books[0].replace("a", ADA)
+            done = await asyncio.gather(
+                *(change(books[number % 2], number) for number in range(6)), return_exceptions=True
+            )
+            assert sum(not isinstance(each, BaseException) for each in done) == 1
+            assert {type(each) for each in done if isinstance(each, BaseException)} <= {ChangedMeanwhile, NotFound}
+        news = await asyncio.gather(
+            *(books[number % 2].replace("b", BOB, condition=Condition(absent=True)) for number in range(6)),
+            return_exceptions=True,
+        )
+        assert news.count(True) == 1

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
+from hypothesis import given, settings
 
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.fanout import Fanout
@@ -16,6 +17,7 @@ from dock_gateway.fleet.fleet import Fleet
 from dock_gateway.storage.shared_entries import SharedBook
 from tests.support.history import HistoryInMemory
 from tests.support.route_client import RouteClient
+from tests.support.versions import STEPS, Resource, Step, require_that_nothing_is_lost
 
 BATTERY = {"name": "Low battery", "robots": {"all": True}, "battery": {"below": 0.2, "idle_s": 60}}
 NIGHT = {
@@ -52,7 +54,7 @@ class Client(RouteClient):
         return self.send("GET", f"/automation/{path}{query}", status)
 
     def delete(self, rule_id: str) -> tuple[int, str]:
-        answer = self._http.delete(f"/automation/rules/{rule_id}")
+        answer = self.http.delete(f"/automation/rules/{rule_id}")
         return answer.status_code, answer.json()["code"] if answer.content else ""
 
 
@@ -64,17 +66,18 @@ def client() -> Iterator[Client]:
 
 def test_rules_are_stored_listed_and_removed(client: Client) -> None:
     assert client.get("rules") == {"rules": []}
-    night = client.put(NIGHT | {"by": " Ada "})
+    night = client.put(NIGHT | {"by": " Ada "}, 201)
     assert (night["mode"], night["changed_by"], night["battery"]) == ("off", "Ada", None)
     assert night["robots"] == {"all": False, "names": ["/robot1"], "groups": ["hall 1"]}
     assert night["schedule"] == {"times": ["06:30", "22:00"], "weekdays": ["mon", "sun"], "time_zone": "Europe/Berlin"}
     assert night["applies_to"] == [{"robot": "/robot1", "waits_for": "off"}]
-    low = client.put(BATTERY | {"mode": "dry_run", "schedule": None, "by": None}, rule_id="low")
+    low = client.put(BATTERY | {"mode": "dry_run", "schedule": None, "by": None}, 201, "low")
     assert (low["mode"], low["battery"], low["schedule"]) == ("dry_run", {"below": 0.2, "idle_s": 60.0}, None)
     assert [each["robot"] for each in low["applies_to"]] == ["/", "/robot1"]
     assert [rule["id"] for rule in client.get("rules")["rules"]] == ["low", "night"]
     assert client.delete("low") == (204, "")
-    assert client.delete("low") == (404, "rule_not_found")
+    assert client.delete("low") == (204, "")
+    client.get("rules/low", 404)
     assert [rule["id"] for rule in client.get("rules")["rules"]] == ["night"]
 
 
@@ -110,7 +113,7 @@ def test_what_is_no_id(client: Client, rule_id: str) -> None:
 
 def test_there_is_a_limit(client: Client) -> None:
     for rule_id in ("a", "b"):
-        client.put(BATTERY, rule_id=rule_id)
+        client.put(BATTERY, 201, rule_id)
     assert client.put(BATTERY, 409, "c")["code"] == "limit_reached"
     client.put(NIGHT, rule_id="b")
 
@@ -133,3 +136,34 @@ async def test_decisions_are_found_by_robot_rule_and_goal(client: Client) -> Non
     assert found("?limit=1") == ["c"]
     for query in ("?limit=0", "?robot=ro%20bot", "?goal_id=1", "?goal=1"):
         client.get("decisions", 422, query)
+
+
+@settings(max_examples=30, deadline=None)
+@given(STEPS)
+def test_of_two_people_who_change_a_rule_none_loses_a_change(steps: list[tuple[Step, int]]) -> None:
+    with Client() as client:
+        path = "/automation/rules/night"
+        number = lambda rule: int(rule["name"])  # noqa: E731
+        rule = Resource(client.http, path, lambda each: NIGHT | {"name": str(each)}, number)
+        require_that_nothing_is_lost(rule, steps)
+
+
+@pytest.mark.parametrize(
+    ("headers", "status"),
+    [
+        ({"If-Match": '"other", "another"'}, 412),
+        ({"If-Match": "*"}, 200),
+        ({"If-None-Match": "*"}, 412),
+        ({"If-Match": "unquoted"}, 422),
+        ({"If-None-Match": '"a"'}, 422),
+    ],
+)
+def test_conditions_of_a_write(client: Client, headers: dict[str, str], status: int) -> None:
+    etag = client.put(NIGHT, 201)["etag"]
+    answer = client.http.put("/automation/rules/night", json=NIGHT, headers=headers)
+    assert answer.status_code == status
+    if status == 422:
+        assert (answer.json()["errors"][0]["in"], answer.json()["errors"][0]["path"]) == ("header", next(iter(headers)))
+    through_a_proxy = {"If-Match": f'"other", W/{etag}'}
+    answer = client.http.put("/automation/rules/night", json=NIGHT, headers=through_a_proxy)
+    assert answer.status_code == (412 if status == 200 else 200)

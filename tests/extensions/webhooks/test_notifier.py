@@ -106,7 +106,7 @@ async def looks(count: int = 10) -> None:
 
 async def test_the_beginning_and_the_end_of_each_alert_are_sent_and_signed(site: Site, receiver: Receiver) -> None:
     gateway = site.gateway(STOP)
-    stored = await gateway.replace("hook", site.hook())
+    stored, _ = await gateway.replace("hook", site.hook())
     await until(lambda: receiver.seen() == [(RAISED, "stop")])
     site.alerts[0].append(LOST)
     await until(lambda: len(receiver.bodies) == 2)
@@ -308,11 +308,11 @@ async def test_a_removed_webhook_gets_nothing_more(site: Site, receiver: Receive
 
 async def test_the_secret_is_shown_once_and_kept(site: Site) -> None:
     gateway = site.gateway()
-    made = (await gateway.replace("hook", site.hook()))["secret"]
+    made = (await gateway.replace("hook", site.hook()))[0]["secret"]
     assert made.startswith("whsec_")
-    assert (await gateway.replace("hook", site.hook(name="Other")))["secret"] is None
+    assert (await gateway.replace("hook", site.hook(name="Other")))[0]["secret"] is None
     assert (await site.webhooks.read())["hook"].secret == made
     given = "whsec_" + "A" * 32
-    assert (await gateway.replace("hook", site.hook(secret=given)))["secret"] is None
+    assert (await gateway.replace("hook", site.hook(secret=given)))[0]["secret"] is None
     assert (await site.webhooks.read())["hook"].secret == given
     assert "secret" not in (await gateway.documents())[0]

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
+from hypothesis import given, settings
 
 from dock_gateway.core.listeners import Hooks
 from dock_gateway.extensions.webhooks.delivery import Delivery
@@ -16,6 +17,7 @@ from dock_gateway.robots.labels import RobotLabel
 from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
 from tests.support.history import HistoryInMemory
 from tests.support.route_client import RouteClient
+from tests.support.versions import STEPS, Resource, Step, require_that_nothing_is_lost
 from tests.support.webhooks import Receiver
 
 SECRET = "whsec_" + "A" * 32
@@ -59,7 +61,7 @@ HOOK = {"name": "Control room", "url": "https://hooks.example.com/a?b=c"}
 
 def test_webhooks_are_stored_listed_tested_and_removed(client: Client, receiver: Receiver) -> None:
     assert client.send("GET", "/webhooks") == {"webhooks": []}
-    stored = client.put(HOOK | {"url": receiver.url, "by": " Ada "})
+    stored = client.put(HOOK | {"url": receiver.url, "by": " Ada "}, 201)
     assert stored["secret"].startswith("whsec_")
     assert (stored["enabled"], stored["severities"], stored["changed_by"]) == (True, ["critical", "warning"], "Ada")
     assert stored["robots"] == {"all": True, "names": [], "groups": []}
@@ -70,21 +72,23 @@ def test_webhooks_are_stored_listed_tested_and_removed(client: Client, receiver:
     path = "/webhooks/{webhook_id}/deliveries"
     assert client.send("GET", "/webhooks/hook/deliveries?limit=5", template=path)["deliveries"] == [tested]
     assert client.send("GET", "/webhooks")["webhooks"][0]["last_delivery"] == tested
-    client.send("DELETE", "/webhooks/hook", 204, template="/webhooks/{webhook_id}")
-    for method, suffix in (("DELETE", ""), ("POST", "/test"), ("GET", "/deliveries")):
+    for _ in range(2):
+        client.send("DELETE", "/webhooks/hook", 204, template="/webhooks/{webhook_id}")
+    for method, suffix in (("GET", ""), ("POST", "/test"), ("GET", "/deliveries")):
         missing = client.send(method, f"/webhooks/hook{suffix}", 404, template=f"/webhooks/{{webhook_id}}{suffix}")
         assert missing["code"] == "webhook_not_found"
 
 
 def test_a_secret_may_be_given(client: Client) -> None:
-    assert client.put(HOOK | {"secret": SECRET, "enabled": False, "severities": ["warning"]})["secret"] is None
+    given = HOOK | {"secret": SECRET, "enabled": False, "severities": ["warning"]}
+    assert client.put(given, 201)["secret"] is None
     assert client.put(HOOK | {"secret": None})["secret"] is None
     assert SECRET not in str(client.send("GET", "/webhooks"))
 
 
 def test_there_is_a_limit(client: Client) -> None:
     for webhook_id in ("a", "b"):
-        client.put(HOOK, webhook_id=webhook_id)
+        client.put(HOOK, 201, webhook_id)
     assert client.put(HOOK, 409, "c")["code"] == "limit_reached"
     client.put(HOOK | {"name": "Other"}, webhook_id="b")
 
@@ -124,3 +128,12 @@ def test_what_is_no_webhook(client: Client, webhook: object, path: str) -> None:
 
 def test_what_is_no_id(client: Client) -> None:
     assert client.put(HOOK, 422, "Hook")["errors"][0]["path"] == "webhook_id"
+
+
+@settings(max_examples=30, deadline=None)
+@given(STEPS)
+def test_of_two_people_who_change_a_webhook_none_loses_a_change(steps: list[tuple[Step, int]]) -> None:
+    with Client() as client:
+        number = lambda webhook: int(webhook["name"])  # noqa: E731
+        webhook = Resource(client.http, "/webhooks/hook", lambda each: HOOK | {"name": str(each)}, number)
+        require_that_nothing_is_lost(webhook, steps)

@@ -71,7 +71,7 @@ function answering(rules: Rule[], decisions: Decision[] = []) {
       return new Response(null, { status: 204 });
     }
     const known = before ?? { ...LOW, id };
-    const saved = { ...known, etag: `"${stored.length}"`, name: body.name, mode: body.mode ?? "off" };
+    const saved = { ...known, etag: `"v${stored.length}"`, name: body.name, mode: body.mode ?? "off" };
     rules = [...others, saved];
     return Response.json(saved);
   });
