@@ -1,4 +1,4 @@
-"""What holds for everything that people change: a change that is based on an old version is refused, so none is lost."""
+"""What holds for everything that people change: a change that is based on an old version is refused."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -160,7 +160,7 @@ CORE = (
     ErrorCode(
         "changed_meanwhile",
         412,
-        "The change depends on a version, and someone else has changed, removed or added it: read it again, then decide.",
+        "The change depends on a version, and someone else was faster: read it again, then decide.",
         "api.md#changes-by-several-people",
     ),
     ErrorCode(
