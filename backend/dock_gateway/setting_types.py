@@ -15,10 +15,10 @@ from pydantic_settings import NoDecode
 LOOPBACK_HOSTS = frozenset({"127.0.0.1", "::1", "localhost"})
 
 # What ROS accepts as the name of a node, of a topic or an action, as a namespace, and as the type of an action.
-NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+ROS_TOKEN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 # Maximum number of characters of an absolute name on the ROS graph.
 LONGEST_NAME = 255
-TOPIC = re.compile(rf"/?{NAME.pattern}(?:/{NAME.pattern})*")
+TOPIC = re.compile(rf"/?{ROS_TOKEN.pattern}(?:/{ROS_TOKEN.pattern})*")
 NAMESPACE = re.compile(rf"/?|{TOPIC.pattern}/?")
 # A namespace in which `*` stands for any text.
 ROBOTS = re.compile(r"/?|/?[A-Za-z0-9_*]+(?:/[A-Za-z0-9_*]+)*/?")
@@ -26,7 +26,7 @@ ROBOTS = re.compile(r"/?|/?[A-Za-z0-9_*]+(?:/[A-Za-z0-9_*]+)*/?")
 PATTERN = re.compile(r"(?!.*//)(?:/[A-Za-z0-9_/*]*|\*[A-Za-z0-9_/*]+)")
 # A site's name: a ROS name in lower case, as robots have it in front at the hub, and a part of subjects on the broker.
 SITE = re.compile(r"(?!hub$)[a-z][a-z0-9_]{0,39}")
-ACTION_TYPE = re.compile(rf"{NAME.pattern}/action/{NAME.pattern}")
+ACTION_TYPE = re.compile(rf"{ROS_TOKEN.pattern}/action/{ROS_TOKEN.pattern}")
 
 # A host with or without a port, and an origin.
 HOST = re.compile(r"(?P<host>[a-z0-9_.-]+|\[[0-9a-f:.]+\])(?::(?P<port>[0-9]{1,5}))?")
@@ -173,7 +173,7 @@ _TOPIC = "a ROS name such as dock or /hall/dock: letters, digits, _ and /"
 Topic = Annotated[str, AfterValidator(_matching(TOPIC, _TOPIC))]
 OptionalTopic = Annotated[str, AfterValidator(_matching(TOPIC, _TOPIC, or_empty=True))]
 NodeName = Annotated[
-    str, AfterValidator(_matching(NAME, "a ROS node name: letters, digits and _, not starting with a digit"))
+    str, AfterValidator(_matching(ROS_TOKEN, "a ROS node name: letters, digits and _, not starting with a digit"))
 ]
 Namespace = Annotated[
     str, AfterValidator(_matching(NAMESPACE, "a ROS namespace such as /robot1: letters, digits, _ and /"))

@@ -9,14 +9,14 @@ from typing import Any, TypeVar
 
 import orjson
 
-from dock_gateway.setting_types import LONGEST_NAME, NAME
+from dock_gateway.setting_types import LONGEST_NAME, ROS_TOKEN
 from dock_gateway.sites.names import to_hub
 
 Document = dict[str, Any]
 Reader = Callable[[str, Any], Any]
 T = TypeVar("T")
 
-ROS_NAME = re.compile(f"/(?:{NAME.pattern}(?:/{NAME.pattern})*)?")
+ROS_NAME = re.compile(f"/(?:{ROS_TOKEN.pattern}(?:/{ROS_TOKEN.pattern})*)?")
 MAX_TEXT = 8000  # characters
 # Entries of a list, and bytes of a robot, an alert or an approval.
 MAX_ENTRIES, MAX_DOCUMENT = 2000, 32 * 1024

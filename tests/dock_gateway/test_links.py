@@ -60,3 +60,12 @@ def test_the_files_that_the_architecture_names_are_there() -> None:
     roots = (ROOT / "backend", ROOT / "backend/dock_gateway")
     assert len(names) > 15
     assert [name for name in names if not any((root / name).exists() for root in roots)] == []
+
+
+@pytest.mark.parametrize("folder", ["backend/dock_gateway", "backend/dock_hub", "frontend/src"])
+def test_the_architecture_names_what_is_in_a_folder(folder: str) -> None:
+    page = (ROOT / "docs/architecture.md").read_text()
+    named = {name.strip("/").split("/")[0] for name in re.findall(r"`([\w./]+)`", page)}
+    for path in (ROOT / folder).iterdir():
+        if path.suffix in ("", ".py", ".ts", ".tsx") and path.is_file() == bool(path.suffix) and "__" not in path.name:
+            assert {path.name, path.stem} & named, path.name

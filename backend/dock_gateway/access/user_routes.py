@@ -7,7 +7,7 @@ from starlette.responses import Response
 
 from dock_gateway.access.logins import Logins
 from dock_gateway.access.schema import PasswordBody, User, UserBody, UserList
-from dock_gateway.access.users import NAME
+from dock_gateway.access.users import USER_NAME
 from dock_gateway.core.access import Kind, Principal
 from dock_gateway.core.errors import Conflict, FieldError, InvalidField, NotFound
 from dock_gateway.core.grant import Role
@@ -22,7 +22,7 @@ from dock_gateway.http.route import ApiRoute
 router = APIRouter(route_class=ApiRoute, tags=["Access"])
 
 
-async def _name_in_path(user: Annotated[str, Path(json_schema_extra={"pattern": f"^{NAME.pattern}$"})]) -> str:
+async def _name_in_path(user: Annotated[str, Path(json_schema_extra={"pattern": f"^{USER_NAME.pattern}$"})]) -> str:
     return read_user_name(user)
 
 
@@ -106,7 +106,7 @@ def read_user_name(value: str) -> str:
     Raises:
         InvalidField: It cannot be one.
     """
-    if not NAME.fullmatch(value):
+    if not USER_NAME.fullmatch(value):
         expected = "up to 60 lower-case letters and digits, with . _ - @ + between them"
         raise InvalidField([FieldError("user", expected, f"got {value[:60]!r}", "path")])
     return value

@@ -16,7 +16,7 @@ from dock_gateway.storage import Dependency
 from dock_gateway.storage.shared_entries import SharedBook
 
 MAX_USERS = 200
-NAME = re.compile(r"[a-z0-9](?:[a-z0-9._@+-]{0,58}[a-z0-9])?")
+USER_NAME = re.compile(r"[a-z0-9](?:[a-z0-9._@+-]{0,58}[a-z0-9])?")
 # How often a change is tried that other gateways are faster than.
 TRIES = 20
 

@@ -17,9 +17,9 @@ def read_name(_: click.Context, __: click.Parameter, name: str) -> str:
     Raises:
         click.BadParameter: It cannot be the name of a user.
     """
-    from dock_gateway.access.users import NAME  # noqa: PLC0415 - takes a second
+    from dock_gateway.access.users import USER_NAME  # noqa: PLC0415 - takes a second
 
-    if not NAME.fullmatch(name):
+    if not USER_NAME.fullmatch(name):
         raise click.BadParameter("it is up to 60 lower-case letters and digits, with . _ - @ + between them")
     return name
 

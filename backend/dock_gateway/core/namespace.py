@@ -3,11 +3,11 @@
 import re
 
 from dock_gateway.core.errors import FieldError, InvalidField
-from dock_gateway.setting_types import LONGEST_NAME, NAME
+from dock_gateway.setting_types import LONGEST_NAME, ROS_TOKEN
 
 # As the target of a stop or a release: every robot that the gateway serves, whatever its namespace.
 ALL_ROBOTS = "/"
-NAMESPACE = re.compile(f"/(?:{NAME.pattern}(?:/{NAME.pattern})*/?)?")
+NAMESPACE = re.compile(f"/(?:{ROS_TOKEN.pattern}(?:/{ROS_TOKEN.pattern})*/?)?")
 
 
 def is_namespace(text: str) -> bool:

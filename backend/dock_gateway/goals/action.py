@@ -121,21 +121,17 @@ class Action:
             unknown_goals_ignored=self.unknown_goals_ignored,
         )
 
-    async def read_goal(self, request: object, path: str = "", *, simple: bool = False) -> Any:
+    async def read_goal(self, request: object, path: str = "") -> Any:
         """Return the goal message for a request. Others have their turn while a large one is read.
 
         Args:
             request: Decoded JSON, or the message; None: the client gave none.
             path: Where it was, for errors.
-            simple: Whether it may be a simple request to dock or undock a robot (`parse_request`). If not, it is the
-                message's fields.
 
         Raises:
             InvalidField: It is not valid, or is missing.
             Conflict: `stopped`: a stop was requested in the meantime.
         """
-        if simple:
-            return self.parse_request(request, path)
         # To use a message's defaults, a client has to send `{}`. All zeros may be a pose to drive to.
         if request is None:
             raise _missing(path)
@@ -145,7 +141,7 @@ class Action:
             self.delivery.require_no_stop_since(stops)
         return message
 
-    def parse_request(self, request: object = None, path: str = "") -> Any:
+    def read_docking_request(self, request: object = None, path: str = "") -> Any:
         """Return the goal message for a request: for docking and undocking a simple request, or the message's fields.
 
         Args:

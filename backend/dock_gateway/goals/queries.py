@@ -12,7 +12,7 @@ from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.queries import SinceQuery, UntilQuery
-from dock_gateway.http.requests import MAX_GROUP, MAX_TAG, NAME, ROBOT_PATTERN, StatusQuery
+from dock_gateway.http.requests import LINE_OF_TEXT, MAX_GROUP, MAX_TAG, ROBOT_PATTERN, StatusQuery
 from dock_gateway.setting_types import LONGEST_NAME, TOPIC
 from dock_gateway.settings import Settings
 from dock_gateway.storage import GoalFilter
@@ -46,9 +46,9 @@ IdPrefixQuery = Annotated[
         json_schema_extra={"pattern": f"^{HEX_DIGITS.pattern}$"},
     ),
 ]
-Tag = Annotated[str, StringConstraints(max_length=MAX_TAG, pattern=f"^{NAME.pattern}$")]
+Tag = Annotated[str, StringConstraints(max_length=MAX_TAG, pattern=f"^{LINE_OF_TEXT.pattern}$")]
 TagsQuery = Annotated[list[Tag] | None, Query(description="Only goals with one of these tags")]
-Group = Annotated[str, StringConstraints(max_length=MAX_GROUP, pattern=f"^{NAME.pattern}$")]
+Group = Annotated[str, StringConstraints(max_length=MAX_GROUP, pattern=f"^{LINE_OF_TEXT.pattern}$")]
 GroupQuery = Annotated[
     Group | None, Query(description="Only goals on actions of the robots that are in this group now")
 ]

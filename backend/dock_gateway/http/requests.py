@@ -18,7 +18,7 @@ from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.core.json_text import decode_json
 from dock_gateway.core.namespace import NAMESPACE
 from dock_gateway.http.parts import parts_of
-from dock_gateway.setting_types import NAME as ROS_NAME
+from dock_gateway.setting_types import ROS_TOKEN
 from dock_gateway.settings import Settings
 
 ModelT = TypeVar("ModelT")
@@ -33,7 +33,7 @@ BODY = "body"
 MAX_DIGITS = 18  # enough for every number in a header
 # A line of text: no control, bidirectional or invisible characters; not blank.
 _UNSEEN = r"\x00-\x1f\x7f-\x9f\xad\u200b-\u200f\u2028-\u202f\u205f-\u206f\ufeff\ufff9-\uffff"
-NAME = re.compile(rf"[^{_UNSEEN}]*[^\s{_UNSEEN}][^{_UNSEEN}]*")
+LINE_OF_TEXT = re.compile(rf"[^{_UNSEEN}]*[^\s{_UNSEEN}][^{_UNSEEN}]*")
 
 
 def known_query(*names: str) -> Callable[[HTTPConnection], Awaitable[None]]:
@@ -145,7 +145,7 @@ def read_object(value: object, *fields: str) -> dict[str, Any]:
 
 def is_name(text: str, longest: int) -> bool:
     """Return whether a text is a line of at most `longest` characters that can be seen."""
-    return len(text) <= longest and NAME.fullmatch(text) is not None
+    return len(text) <= longest and LINE_OF_TEXT.fullmatch(text) is not None
 
 
 def read_name(value: object, longest: int, path: str = "by") -> str:
@@ -161,7 +161,7 @@ def read_name(value: object, longest: int, path: str = "by") -> str:
 
 def name_schema(longest: int) -> dict[str, Any]:
     """Return the schema of such a name for the OpenAPI document."""
-    return {"type": "string", "maxLength": longest, "pattern": f"^{NAME.pattern}$"}
+    return {"type": "string", "maxLength": longest, "pattern": f"^{LINE_OF_TEXT.pattern}$"}
 
 
 def read_wait(request: Request) -> float:
@@ -232,7 +232,7 @@ GraphName = Annotated[
     str,
     Path(
         description="The name on the ROS graph; its leading slash may be left out",
-        json_schema_extra={"pattern": f"^/?{ROS_NAME.pattern}(?:/{ROS_NAME.pattern})*$"},
+        json_schema_extra={"pattern": f"^/?{ROS_TOKEN.pattern}(?:/{ROS_TOKEN.pattern})*$"},
     ),
 ]
 

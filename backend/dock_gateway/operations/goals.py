@@ -72,7 +72,10 @@ async def _send_docking_goal(actions: ActionRegistry, principal: Principal, orde
 
 async def _submit(action: Action, principal: Principal, order: SendGoal) -> Goal:
     acts_on(action.name)
-    message = await action.read_goal(order.request, order.path, simple=order.action is None)
+    if order.action is None:
+        message = action.read_docking_request(order.request, order.path)
+    else:
+        message = await action.read_goal(order.request, order.path)
     return await action.submitter.submit(message, order.key, sender=principal)
 
 

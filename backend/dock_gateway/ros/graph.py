@@ -25,7 +25,7 @@ from dock_gateway.core.graph import (
     Service,
     Topic,
 )
-from dock_gateway.setting_types import NAME
+from dock_gateway.setting_types import ROS_TOKEN
 from robot_io.endpoints import node_name
 
 # Seconds of a survey step on the ROS thread.
@@ -33,7 +33,7 @@ PIECE = 0.002
 INFINITE_NS = 2**63 - 1
 # The type of stop topics.
 STOP_TYPE = "std_msgs/msg/Bool"
-TOPIC_NAME = re.compile(f"(/{NAME.pattern})+")
+TOPIC_NAME = re.compile(f"(/{ROS_TOKEN.pattern})+")
 
 
 @dataclass(frozen=True)

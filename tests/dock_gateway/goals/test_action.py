@@ -1,6 +1,6 @@
 """An action reads the goals that clients send it."""
 
-from functools import partial
+import re
 from types import SimpleNamespace
 from typing import Any
 
@@ -42,11 +42,10 @@ async def test_a_goal_that_is_not_given_is_the_default_only_where_a_robot_docks(
         adapter.goal = lambda request, dock, path: {**request, "dock_id": dock}
         codec = SimpleNamespace(parse=lambda value, path: (value, path))
         action: Any = SimpleNamespace(adapter=adapter, port=SimpleNamespace(goal_codec=codec), _default_dock="home")
-        action.parse_request = partial(Action.parse_request, action)
         return action
 
-    assert await Action.read_goal(docking({}), None, "goal", simple=True) == ({"dock_id": "home"}, "goal")
-    for action, simple in ((docking(None), True), (action_with(lambda _: None), False)):
-        with pytest.raises(InvalidField) as refused:
-            await Action.read_goal(action, None, "goal", simple=simple)
-        assert refused.value.extra["errors"][0]["expected"] == "an object, {} for the defaults"
+    assert Action.read_docking_request(docking({}), None, "goal") == ({"dock_id": "home"}, "goal")
+    with pytest.raises(InvalidField, match=re.escape("{} for the defaults")):
+        Action.read_docking_request(docking(None), None, "goal")
+    with pytest.raises(InvalidField, match=re.escape("{} for the defaults")):
+        await Action.read_goal(action_with(lambda _: None), None, "goal")

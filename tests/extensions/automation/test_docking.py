@@ -84,7 +84,7 @@ class Robot:
 
     def get(self, name: str) -> Any:
         assert name == f"{ROBOT}/dock"
-        return SimpleNamespace(parse_request=dict, submitter=self)
+        return SimpleNamespace(read_docking_request=dict, submitter=self)
 
 
 class Site:

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.access.users import NAME
+from dock_gateway.access.users import USER_NAME
 from dock_gateway.core.errors import NotAllowed, NotAuthenticated
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.extensions.single_sign_on.claims import MAX_NAME, ClaimRules
@@ -99,7 +99,7 @@ def test_no_name_is_that_of_a_user_and_all_fit_in_a_record(text: str) -> None:
         return
     assert name.startswith("oidc:")
     assert len(name) <= MAX_NAME
-    assert not NAME.fullmatch(name)
+    assert not USER_NAME.fullmatch(name)
 
 
 def test_names() -> None:

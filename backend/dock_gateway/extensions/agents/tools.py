@@ -47,7 +47,7 @@ async def _dock(_: Parts, __: Principal, fields: Fields) -> Fields:
 async def _undock(parts: Parts, principal: Principal, fields: Fields) -> Fields:
     with parts[DockingHints].hinting(fields.get("robot"), principal.grant):
         action = await parts[ActionRegistry].find_docking("undock", fields.pop("robot", None), principal.grant)
-    message = action.port.encode_goal(action.parse_request())
+    message = action.port.encode_goal(action.read_docking_request())
     return {**fields, "action": action.name, "goal": orjson.loads(message)}
 
 

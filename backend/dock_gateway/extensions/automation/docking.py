@@ -308,7 +308,7 @@ class AutomaticDocking:
             action = self._actions.get(self._robot_actions.docking_pair(decision.robot).dock)
             if action is None:
                 raise Unavailable(f"{decision.robot} has no docking server")
-            message = action.parse_request()
+            message = action.read_docking_request()
             goal = await action.submitter.submit(message, _key(identity), sender=None)
         except GatewayError as error:
             outcome = DecisionOutcome.HELD if error.code in STOPS else DecisionOutcome.REFUSED

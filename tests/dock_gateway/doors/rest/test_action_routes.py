@@ -42,8 +42,8 @@ def having(action: Any) -> Parts:
 async def test_what_the_action_is_given_to_read(body: bytes, read: list[Any]) -> None:
     given: list[Any] = []
 
-    async def read_goal(goal: object, path: str, *, simple: bool) -> None:
-        assert (path, simple) == ("", False)
+    async def read_goal(goal: object, path: str) -> None:
+        assert path == ""
         given.append(goal)
         raise InvalidField([])
 

@@ -41,8 +41,7 @@ class FakeAction:
         self.stopped = stopped
         self.sent: list[Any] = []
 
-    async def read_goal(self, request: object, path: str, *, simple: bool) -> object:
-        assert simple
+    def read_docking_request(self, request: object, path: str) -> object:
         return request, path
 
     async def submit(self, message: object, key: str | None, *, sender: Principal) -> Any:
