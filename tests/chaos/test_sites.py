@@ -19,11 +19,12 @@ import pytest
 from tests.chaos.load import FINAL
 from tests.chaos.report import report
 from tests.chaos.sites import Commander, HubReader, Sites, Stopper, commanders
+from tests.support.installed import needs
 from tests.support.probe import memory, quantile
 from tests.support.site_floods import AT_HUB, AT_SITE, flooding
 from tests.support.waiting import wait_until
 
-pytestmark = pytest.mark.timeout(7200)
+pytestmark = [needs("sites"), pytest.mark.timeout(7200)]
 
 # Rounds of kills and cuts, and about how long connections are cut or silent.
 ROUNDS = int(os.environ.get("CHAOS_SITE_ROUNDS", "1"))

@@ -16,9 +16,12 @@ from playwright.sync_api import sync_playwright
 from tests.browser.conftest import ARGUMENTS, CHROMIUM, MISSING
 from tests.support.domain import ros_domain
 from tests.support.gateway import RunningGateway, running_gateway, running_program, running_talker
+from tests.support.installed import needs
 from tests.support.origins import blank_page
 from tests.support.processes import free_port
 from tests.support.waiting import wait_until
+
+pytestmark = needs("rosbridge", "foxglove", "agents")
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]

@@ -19,7 +19,10 @@ from robot_io.recording import EVENTS, read
 from tests.clients.test_clients import CLIENTS, HERE
 from tests.support.domain import ros_domain
 from tests.support.gateway import ACTION, running_gateway, running_program
+from tests.support.installed import needs
 from tests.support.waiting import wait_until
+
+pytestmark = needs("recordings")
 
 Messages = dict[str, list[Any]]
 

@@ -10,6 +10,7 @@ import pytest
 from websockets.sync.client import connect
 
 from tests.support.gateway import RunningGateway
+from tests.support.installed import needs
 from tests.support.processes import ForkedProcess, Process, ros_environment
 from tests.support.waiting import PATIENCE, wait_until
 
@@ -83,6 +84,7 @@ def test_a_robot_on_its_map(gateway: RunningGateway, robot: Process) -> None:
     wait_until(lambda: not subscribed(gateway, "/robot1/scan"), "that the scan is left")
 
 
+@needs("rosbridge")
 def test_a_robot_with_many_publishers_of_fixed_frames_whose_laser_misses_each_second_ray(
     gateway: RunningGateway, shared_domain: int
 ) -> None:

@@ -105,6 +105,7 @@ async def test_sockets(hub: SmallHub) -> None:
     assert (answers["1"]["error"]["code"], answers["2"]["op"]) == ("role_required", "ack")
 
 
+@needs("rosbridge")
 async def test_rosbridge_through_the_tunnel(hub: SmallHub) -> None:
     async with hub.websocket("/rosbridge") as socket:
         await socket.send(

@@ -70,7 +70,7 @@ def sites(berlin: RunningGateway, oslo: RunningGateway) -> None:
 
 
 @pytest.mark.usefixtures("sites")
-@needs("audit_log")
+@needs("audit_log", "statistics")
 def test_a_hub_and_its_sites(berlin: RunningGateway, nats: NatsServer, folder: Path) -> None:
     with ExitStack() as stack:
         hub = stack.enter_context(running_hub(nats.url, folder))
