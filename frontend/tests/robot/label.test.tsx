@@ -155,8 +155,9 @@ describe("the display name", () => {
 describe("groups in the overview", () => {
   const rows = () => screen.getAllByTestId(/^robot \//).map(({ dataset }) => dataset.testid);
 
-  it("are neither a filter nor a column where there are none", () => {
+  it("are neither a filter nor a column where there are none", async () => {
     renderPage(fakeGateway(), { robots: [plain, robot("/robot3")] });
+    await screen.findAllByTestId(/^robot \//);
     expect(screen.queryByRole("combobox", { name: "Group" })).toBeNull();
     expect(screen.queryByRole("columnheader", { name: "Groups" })).toBeNull();
   });
@@ -164,7 +165,7 @@ describe("groups in the overview", () => {
   it("narrow the list, in its address, until all are shown again", async () => {
     const spare = robot("/robot3", { groups: ["spare"] });
     const { store, user } = renderPage(fakeGateway(), { robots: [named, plain, spare] });
-    expect(screen.getByRole("columnheader", { name: "Groups" })).toBeDefined();
+    expect(await screen.findByRole("columnheader", { name: "Groups" })).toBeDefined();
     await user.selectOptions(screen.getByRole("combobox", { name: "Group" }), "spare");
     expect(rows()).toEqual(["robot /robot3"]);
     const time = new Date().toISOString();

@@ -135,8 +135,9 @@ describe("the simulator", () => {
   });
 
   it("places the robot by keyboard in the picture, and says where", async () => {
-    const { user } = simulatedPage();
+    const { store, user } = simulatedPage();
     await screen.findByText(/Drag the robot/);
+    act(() => store.onEvent(sceneEvent({}, 1))); // a picture that is old by now cannot be changed
     screen.getByRole("application", { name: /Picture of the robot/ }).focus();
     await user.keyboard("{ArrowRight}");
     expect(await screen.findByText(/To be placed at x −1.45 m, y 0.40 m/)).toBeDefined();
