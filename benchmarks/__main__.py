@@ -13,6 +13,7 @@ import uvloop
 
 from benchmarks.cameras import cameras
 from benchmarks.cases import FAILURES, acceptance, fan_out, highest_rate, latency
+from benchmarks.costs import costs
 from benchmarks.figures import Results
 from benchmarks.machine import describe, wait_until_quiet
 from benchmarks.options import Options, read_options
@@ -33,7 +34,15 @@ from benchmarks.topics import topics
 
 Case = Callable[[Results, Sequence[Any], Options], Awaitable[None]]
 
-RUNNING: dict[str, Case] = {"a": acceptance, "b": latency, "c": fan_out, "d": highest_rate, "h": topics, "i": cameras}
+RUNNING: dict[str, Case] = {
+    "a": acceptance,
+    "b": latency,
+    "c": fan_out,
+    "d": highest_rate,
+    "h": topics,
+    "i": cameras,
+    "k": costs,
+}
 
 
 def _own(stack: ExitStack, options: Options, robots: int = 0) -> list[Bare | Gateway]:
@@ -90,6 +99,11 @@ async def _run(options: Options, results: Results) -> None:
         with ExitStack() as stack:
             systems = [RecordingGateway(_site(stack, options), record) for record in ("none", "all")]
             await recordings(results, systems, options)
+    if "k" in options.cases:
+        with ExitStack() as stack:
+            in_memory = GatewayInMemory(_site(stack, options))
+            systems = [*_own(stack, options), in_memory, *_peers(stack, options, results, (HttpGateway,))]
+            await _run_together(options, results, systems, "k")
     if "h" in options.cases:
         with ExitStack() as stack:
             systems = [*_gateways(stack, options), *_peers(stack, options, results, (Rosbridge, RosbridgeSuite))]

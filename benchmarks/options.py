@@ -4,7 +4,7 @@ import argparse
 from dataclasses import dataclass
 from pathlib import Path
 
-CASES = "abcdefghij"
+CASES = "abcdefghijk"
 
 
 @dataclass(frozen=True)
@@ -27,9 +27,9 @@ class Options:
 def read_options(arguments: list[str]) -> Options:
     """Out of the command line."""
     parser = argparse.ArgumentParser("benchmarks", description="Measure dock-gateway; see docs/performance.md")
-    parser.add_argument("--cases", default=CASES, help="which of a b c d e f g h i j (default: all)")
+    parser.add_argument("--cases", default=CASES, help="which of a b c d e f g h i j k (default: all)")
     parser.add_argument("--rounds", type=int, default=3, help="turns of each system in each case (default: 3)")
-    parser.add_argument("--goals", type=int, default=150, help="goals in cases a and g (default: 150)")
+    parser.add_argument("--goals", type=int, default=150, help="goals in cases a, g and k (default: 150)")
     parser.add_argument("--seconds", type=float, default=4.0, help="length of one run of feedback (default: 4)")
     parser.add_argument("--quiet", type=float, default=10.0, help="seconds to wait for a quiet machine (default: 10)")
     parser.add_argument("--payload", type=int, default=0, help="bytes added to each feedback message")

@@ -66,6 +66,10 @@ class System(ABC):
     async def submit(self) -> Timing:
         """One goal without feedback, to its result."""
 
+    async def one_goal(self) -> None:
+        """One goal, with its result, read once."""
+        await self.submit()
+
     @abstractmethod
     async def stream(self, goal: Goal, readers: int) -> Reading:
         """Read the feedback of one goal."""

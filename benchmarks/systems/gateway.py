@@ -108,6 +108,17 @@ class Gateway(System):
         assert status == 200, goal
         return Timing(accepted * 1e3, (time.perf_counter() - start) * 1e3)
 
+    async def one_goal(self) -> None:
+        """One goal, with its result, read once."""
+        await asyncio.to_thread(self._one_goal)
+
+    def _one_goal(self) -> None:
+        connection = self._kept.get()
+        status, goal = connection.request("POST", "/dock", headers="Prefer: wait=10\r\n")
+        assert status == 200, goal
+        status, goal = connection.request("GET", f"/goals/{goal['goal_id']}")
+        assert goal["finished_at"] is not None, goal
+
     async def stream(self, goal: Goal, readers: int) -> Reading:
         """Read /ws/feedback."""
         return await self._read(goal, readers, ["/dock"])
