@@ -7,7 +7,7 @@ from pydantic.fields import FieldInfo
 
 from dock_gateway.cli.options import TYPE, describe_default, groups_of, is_tuning, option_name
 from dock_gateway.setting_groups.group import PREFIX
-from dock_gateway.settings import ONLY_A_VARIABLE
+from dock_gateway.settings import WITHOUT_OPTION
 
 PAGE = Path(__file__).parents[1] / "docs/configuration.md"
 BEGIN, END = "<!-- The tables are written by `make format`. -->", "<!-- The end of the tables. -->"
@@ -33,7 +33,7 @@ def _table(fields: list[tuple[str, FieldInfo]]) -> str:
 
 
 def _row(name: str, field: FieldInfo) -> str:
-    option = "\N{EN DASH}" if name == ONLY_A_VARIABLE else f"`{option_name(name)}`"
+    option = "\N{EN DASH}" if name in WITHOUT_OPTION else f"`{option_name(name)}`"
     default = describe_default(field.default)
     return f"| `{PREFIX}{name.upper()}` | {option} | {f'`{default}`' if default else 'empty'} | {field.description} |"
 

@@ -53,12 +53,6 @@ class Tuning:
 TUNING = Tuning()
 
 
-def own_names(pairs: tuple[str, ...]) -> dict[str, str]:
-    """Return the names that single robots have, by namespace, from a setting such as `dock_actions`."""
-    parts = (pair.partition("=") for pair in pairs)
-    return {f"/{robot.strip('/')}": name for robot, _, name in parts}
-
-
 def _split(value: object) -> object:
     """Return the parts of a setting that are separated by commas."""
     parts = value.split(",") if isinstance(value, str) else value
@@ -122,19 +116,6 @@ def _split_address(value: str) -> tuple[str, str]:
     """Return the scheme of an address, which may be empty, and its host with the port."""
     scheme, _, rest = value.lower().rpartition("://")
     return scheme, re.split(r"[/?#]", rest)[0]
-
-
-def _check_own_names(parts: tuple[str, ...]) -> tuple[str, ...]:
-    for part in parts:
-        robot, _, name = part.partition("=")
-        if len(part) > 2 * LONGEST_NAME or not (
-            robot.startswith("/") and NAMESPACE.fullmatch(robot) and name[:1] == "/" and TOPIC.fullmatch(name)
-        ):
-            raise ValueError(f"{part[:100]!r} is not like /robot1=/docking/dock_robot, with absolute names")
-    pairs = own_names(parts)
-    if len(pairs) < len(parts) or len(set(pairs.values())) < len(parts):
-        raise ValueError("each robot has one name, and no two robots have the same")
-    return parts
 
 
 def is_safe_broker(url: str) -> bool:
@@ -212,4 +193,3 @@ SiteName = Annotated[
     ),
 ]
 Brokers = Annotated[Texts, AfterValidator(_check_brokers)]
-OwnNames = Annotated[Texts, AfterValidator(_check_own_names)]

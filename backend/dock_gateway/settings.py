@@ -3,7 +3,7 @@
 import difflib
 import os
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Literal, Self, TypeVar
@@ -15,14 +15,17 @@ from dock_gateway.setting_groups.access import AccessSettings
 from dock_gateway.setting_groups.group import PREFIX, SettingsGroup, config_file, read_file
 from dock_gateway.setting_groups.history import HistorySettings
 from dock_gateway.setting_groups.limits import LimitSettings
+from dock_gateway.setting_groups.one_robot import RobotTable
 from dock_gateway.setting_groups.robots import RobotSettings
 from dock_gateway.setting_groups.server import ServerSettings
-from dock_gateway.setting_types import LOOPBACK_HOSTS, ListensOn, own_names
+from dock_gateway.setting_types import LOOPBACK_HOSTS, ListensOn
 
 # Variables of the commands that are HTTP clients, and of the configuration file.
 OTHERS = {"URL", "TOKEN", "CLIENT_CERT", "CONFIG"}
 # It says which settings there are.
 ONLY_A_VARIABLE = "extensions"
+WITHOUT_OPTION = (ONLY_A_VARIABLE, "robots")
+"""The settings that no option has."""
 # What Kubernetes sets in each container for a service that is called dock-gateway.
 OF_LINKS = re.compile("SERVICE_|PORT_[0-9]")
 
@@ -93,6 +96,7 @@ class ExtensionSettings(SettingsGroup):
 
 
 S = TypeVar("S", bound=ExtensionSettings)
+T = TypeVar("T")
 
 
 # The last base comes first in the help.
@@ -119,7 +123,7 @@ class Settings(LimitSettings, HistorySettings, RobotSettings, AccessSettings, Se
         if self.dock_action.startswith("/") or self.undock_action.startswith("/"):
             raise ValueError(
                 "serve_robots does not go together with an absolute dock_action or undock_action, which is that of "
-                "every robot: name those of single robots in dock_actions and undock_actions"
+                "every robot: name those of single robots in robots"
             )
         return self
 
@@ -176,15 +180,35 @@ class Settings(LimitSettings, HistorySettings, RobotSettings, AccessSettings, Se
 
     def counts_to_100(self, namespace: str) -> bool:
         """Whether the battery driver of a robot counts percentage to 100."""
-        return _named(namespace, self.percentage_0_to_100)
+        return self._first(namespace, lambda table: table.battery.percentage) == "0-100"
 
     def charges_negative(self, namespace: str) -> bool:
         """Whether the battery driver of a robot counts a charging current as negative."""
-        return _named(namespace, self.charging_current_negative)
+        return self._first(namespace, lambda table: table.battery.charging_current) == "negative"
+
+    def default_dock_of(self, namespace: str) -> str:
+        """The dock that a goal of a robot means if it names none; empty: none."""
+        return self._first(namespace, lambda table: table.default_dock) or self.default_dock
+
+    def own_actions(self, verb: str) -> dict[str, str]:
+        """The actions that dock or undock single robots, by namespace."""
+        actions = ((robot, getattr(table, f"{verb}_action")) for robot, table in self.robots.items())
+        return {robot: name for robot, name in actions if name}
+
+    @property
+    def own_batteries(self) -> dict[str, str]:
+        """The battery topics of single robots, by namespace."""
+        return {robot: table.battery.topic for robot, table in self.robots.items() if table.battery.topic}
+
+    def _first(self, namespace: str, read: Callable[[RobotTable], T | None]) -> T | None:
+        """Return what a robot's own table says, or else the first pattern that says something."""
+        patterns = (table for name, table in self.robots.items() if name != namespace and _named(namespace, (name,)))
+        own = [self.robots[namespace]] if namespace in self.robots else []
+        return next((value for table in (*own, *patterns) if (value := read(table))), None)
 
     def battery_of(self, namespace: str) -> str:
         """The battery topic of a robot."""
-        return own_names(self.battery_topics).get(namespace) or self.resolve(self.battery_topic, namespace)
+        return self.own_batteries.get(namespace) or self.resolve(self.battery_topic, namespace)
 
     def resolve(self, name: str, namespace: str | None = None) -> str:
         """A ROS name as the graph has it: absolute, under the namespace (the configured one) where it was relative."""

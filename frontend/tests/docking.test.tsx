@@ -183,7 +183,7 @@ describe("one robot of several", () => {
 
 describe("a docking server in another namespace", () => {
   it("is offered with the lines to set", async () => {
-    const settings = ["DOCK_GATEWAY_DOCK_ACTIONS=/=/docking/dock_robot"];
+    const settings = ['robots."/".dock_action = "/docking/dock_robot"'];
     const join = { detail: "If /docking/dock_robot docks /, set it.", settings };
     renderPage(fakeGateway(), { robots: [robot("/", { dock: null, undock: null, join })] });
     const hint = await screen.findByTestId("join");

@@ -13,7 +13,6 @@ from scripts import settings_table
 from dock_gateway.cli import main
 from dock_gateway.cli.options import (
     FIELDS,
-    ONLY_A_VARIABLE,
     TYPE,
     arguments_of,
     groups_of,
@@ -22,7 +21,7 @@ from dock_gateway.cli.options import (
     read_settings,
 )
 from dock_gateway.setting_types import ListensOn
-from dock_gateway.settings import Settings, unknown_variables
+from dock_gateway.settings import WITHOUT_OPTION, Settings, unknown_variables
 
 
 @pytest.fixture(autouse=True)
@@ -117,14 +116,6 @@ def test_a_host_is_compared_without_its_port(written: str, name: str) -> None:
         ("cmd_vel_topic", "cmd_vel/"),
         ("stop_state_topic", "1stop"),
         ("emergency_stop_topics", "e_stop, /hall//e_stop"),
-        ("dock_actions", "/robot1"),
-        ("dock_actions", "/robot1=dock"),
-        ("dock_actions", "robot1=/dock"),
-        ("dock_actions", "/robot1=/dock=/x"),
-        ("dock_actions", "/robot1=/a/dock,/robot1/=/b/dock"),
-        ("dock_actions", "/robot1=/a/dock,/robot2=/a/dock"),
-        ("undock_actions", "/robot 1=/dock"),
-        ("battery_topics", "/robot1=/battery status"),
         ("diagnostics_topic", "~/diagnostics"),
         ("dock_action", "/dock/{name}"),
         ("undock_action", "undöck"),
@@ -194,7 +185,7 @@ def test_help_names_every_setting_but_those_for_tuning() -> None:
     text = CliRunner().invoke(main, ["serve", "--help"]).output
     tuning = {name for name, field in FIELDS if is_tuning(field)}
     assert {name for name, _ in FIELDS if not re.search(rf"{option_name(name)}\b(?!-)", text)} == {
-        ONLY_A_VARIABLE,
+        *WITHOUT_OPTION,
         *tuning,
     }
     assert "ping_interval" in tuning
@@ -274,11 +265,49 @@ def test_a_variable_that_is_no_setting_is_named_with_a_similar_one() -> None:
     ]
 
 
-def test_names_of_single_robots() -> None:
-    settings = Settings(battery_topics="/robot1/=/power/battery, /=/b", namespace="/robot2")  # type: ignore[arg-type]
+ROBOTS = """{
+    "/robot1": {"dock_action": "/docking/dock", "undock_action": "undock", "battery": {"topic": "/power/battery"}},
+    "/": {"battery": {"topic": "b", "percentage": "0-1"}},
+    "/hall_a/*": {"default_dock": "a", "battery": {"percentage": "0-100"}},
+    "/hall_a/robot2": {"default_dock": "b"},
+    "*": {"default_dock": "c", "battery": {"charging_current": "negative"}}
+}"""
+
+
+def test_what_single_robots_have_of_their_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("DOCK_GATEWAY_ROBOTS", ROBOTS)
+    settings = Settings()
+    assert settings.own_actions("dock") == {"/robot1": "/docking/dock"}
+    assert settings.own_actions("undock") == {"/robot1": "/robot1/undock"}
     assert settings.battery_of("/robot1") == "/power/battery"
     assert settings.battery_of("/") == "/b"
     assert settings.battery_of("/robot2") == "/robot2/battery_status"
+    names = ("/", "/robot1", "/hall_a/robot1", "/hall_a/robot2")
+    assert [settings.default_dock_of(name) for name in names] == ["c", "c", "a", "b"]
+    assert [settings.counts_to_100(name) for name in names] == [False, False, True, True]
+    assert settings.charges_negative("/anything")
+    assert Settings(default_dock="d").default_dock_of("/x") == "c"
+    assert Settings(default_dock="d", robots={}).default_dock_of("/x") == "d"
+
+
+@pytest.mark.parametrize(
+    ("robots", "sentence"),
+    [
+        ("[", "write JSON such as"),
+        ('{"/robot 1": {}}', "not one namespace such as /robot1"),
+        ('{"/a": {}, "a/": {}}', "not one namespace"),
+        ('{"/a/*": {"dock_action": "dock"}}', "stands for several robots"),
+        ('{"*": {"battery": {"topic": "b"}}}', "stands for several robots"),
+        ('{"/a": {"dock_action": "/dock"}, "/b": {"dock_action": "/dock"}}', "no two robots have the same"),
+        ('{"/a": {"dock_actoin": "/dock"}}', "dock_actoin"),
+        ('{"/a": {"battery": {"percentage": "100"}}}', "'0-1' or '0-100'"),
+        ('{"/a": {"dock_action": "/dock/{x}"}}', "is not a ROS name"),
+    ],
+)
+def test_wrong_tables_of_robots_are_refused(robots: str, sentence: str) -> None:
+    with pytest.raises(click.UsageError, match="robots") as refused:
+        read_settings({"robots": robots})
+    assert sentence in refused.value.message
 
 
 def test_the_ports_are_the_settings_that_say_so() -> None:

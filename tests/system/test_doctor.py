@@ -47,5 +47,5 @@ def test_a_turtlebot_4_beside_a_gateway(domain: int) -> None:
         assert doctor.code == 0
         assert doctor.checks["port"]["text"] == f"a gateway runs at {gateway.url}"
         assert doctor.checks["ros"]["level"] == "ok"
-        assert "DOCK_GATEWAY_BATTERY_TOPICS=/tb4=/tb4/battery_state" in doctor.settings
+        assert 'robots."/tb4".battery.topic = "/tb4/battery_state"' in doctor.settings
         assert "robot /" not in doctor.checks  # the gateway is none

@@ -14,7 +14,8 @@ from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 
-SETTING = "DOCK_GATEWAY_PERCENTAGE_0_TO_100"
+TO_100 = '{"*": {"battery": {"percentage": "0-100"}}}'
+SETTING = 'battery.percentage = "0-100"'
 
 
 @pytest.fixture
@@ -75,7 +76,7 @@ def test_it_is_over_once_values_are_right_for_a_while(gateway: RunningGateway, o
 def test_a_driver_that_counts_to_100_by_the_setting(domain: int, observer: Observer) -> None:
     state = BatteryState(voltage=12.0, percentage=12.0, power_supply_status=2)
     with (
-        running_gateway(domain, percentage_0_to_100="/a") as gateway,
+        running_gateway(domain, robots='{"/a": {"battery": {"percentage": "0-100"}}}') as gateway,
         observer.publishing(state, "/a/battery_status", heard=False),
         observer.publishing(state, "/b/battery_status", heard=False),
     ):
@@ -89,7 +90,10 @@ def test_a_driver_that_counts_to_100_by_the_setting(domain: int, observer: Obser
         assert (answer["state"]["percentage"], answer["percentage"], answer["implausible"]) == (12.0, 0.12, [])
         history = gateway.http.get("/battery/history?robot=/a").raise_for_status().json()
         assert set(history["percentage"]["mean"]) == {0.12}
-    with running_gateway(domain, percentage_0_to_100="*") as gateway, observer.publishing(state, "/battery_status"):
+    with (
+        running_gateway(domain, robots=TO_100) as gateway,
+        observer.publishing(state, "/battery_status"),
+    ):
         wait_until(lambda: battery(gateway)["percentage"] == 0.12, "12 %")
 
 
@@ -115,7 +119,7 @@ def test_a_docked_robot_whose_battery_has_no_status(domain: int) -> None:
     arguments = [part for parameter in parameters for part in ("-p", parameter)]
     with (
         running_program(domain, "dock_simulator", *arguments),
-        running_gateway(domain, charging_current_negative="*") as gateway,
+        running_gateway(domain, robots='{"*": {"battery": {"charging_current": "negative"}}}') as gateway,
     ):
         wait_until(lambda: gateway.http.get("/simulator").status_code == 200, "the simulator")
         alert = wait_until(lambda: alerts(gateway).get("low_battery"), "a low battery")

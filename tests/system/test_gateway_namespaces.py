@@ -2,8 +2,10 @@
 
 from collections.abc import Iterator
 from contextlib import ExitStack
+from pathlib import Path
 from typing import Any
 
+import orjson
 import pytest
 from sensor_msgs.msg import BatteryState
 
@@ -16,7 +18,7 @@ pytest.importorskip("nav2_msgs", reason="`make test` installs the interface pack
 pytestmark = pytest.mark.ros
 
 ROBOT, DOCK, UNDOCK = "/robot1", "/docking/dock_robot", "/docking/undock_robot"
-LINES = [f"DOCK_GATEWAY_DOCK_ACTIONS={ROBOT}={DOCK}", f"DOCK_GATEWAY_UNDOCK_ACTIONS={ROBOT}={UNDOCK}"]
+LINES = [f'robots."{ROBOT}".dock_action = "{DOCK}"', f'robots."{ROBOT}".undock_action = "{UNDOCK}"']
 LOW = BatteryState(percentage=0.1, power_supply_status=BatteryState.POWER_SUPPLY_STATUS_DISCHARGING)
 NAV2 = {"use_dock_id": True, "dock_id": "slow"}
 
@@ -37,7 +39,7 @@ def alerts(gateway: RunningGateway, kind: str) -> list[dict[str, Any]]:
     return [alert for alert in found if alert["kind"] == kind]
 
 
-def test_the_answer_names_the_settings_that_join_a_robot(domain: int, base: Observer) -> None:
+def test_the_answer_names_the_settings_that_join_a_robot(domain: int, base: Observer, tmp_path: Path) -> None:
     with running_servers(domain, "--offer", "nav2", "--robot", "/docking"), ExitStack() as stack:
         stack.enter_context(base.publishing(LOW, f"{ROBOT}/battery_status", heard=False))
         with running_gateway(domain) as gateway:
@@ -59,8 +61,8 @@ def test_the_answer_names_the_settings_that_join_a_robot(domain: int, base: Obse
             assert (alert["robot"], alert["severity"]) == (ROBOT, "warning")
             assert gateway.http.get(f"/readyz?robot={ROBOT}").json()["problems"] == [alert["detail"]]
             assert not gateway.http.get("/goals").json()["goals"], "nothing is joined by itself"
-        settings = {line.partition("=")[0][13:].lower(): line.partition("=")[2] for line in LINES}
-        with running_gateway(domain, **settings) as gateway:
+        (file := tmp_path / "gateway.toml").write_text("\n".join(LINES))
+        with running_gateway(domain, config=str(file)) as gateway:
             the_joined_robot_docks(gateway)
 
 
@@ -108,10 +110,10 @@ def test_one_robot_by_two_names_gets_no_goal_by_itself(domain: int, base: Observ
 
         wait_until(lambda: waits() == {"shared_action"}, "the rule")
         (alert,) = wait_until(lambda: alerts(gateway, "robot_seen_twice"), "the alert")
-        for part in (*names, f"{ROBOT}/docking_server", "DOCK_GATEWAY_DOCK_ACTIONS=", "ALLOW_SHARED_SERVERS"):
+        for part in (*names, f"{ROBOT}/docking_server", ".dock_action = ", "ALLOW_SHARED_SERVERS"):
             assert part in alert["detail"]
         assert not gateway.http.get("/goals").json()["goals"]
-        with running_gateway(domain, dock_actions=f"{ROBOT}=/relay/dock") as joined:
+        with running_gateway(domain, robots=orjson.dumps({ROBOT: {"dock_action": "/relay/dock"}}).decode()) as joined:
             wait_until(lambda: (robots(joined).get(ROBOT) or {}).get("dock"), "the robot")
             wait_until(lambda: "/relay" in robots(joined), "the other battery")
             assert robots(joined)["/relay"]["dock"] is None

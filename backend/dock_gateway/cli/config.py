@@ -94,6 +94,8 @@ def _shown(value: object) -> object:
     """Return a value without its secrets, as JSON has it."""
     if isinstance(value, SecretStr):
         return HIDDEN
+    if isinstance(value, dict):
+        return {name: table.model_dump(exclude_defaults=True) for name, table in value.items()}
     if isinstance(value, tuple):
         return [PASSWORD.sub(HIDDEN, str(part)) for part in value]
     return value if isinstance(value, bool | int | float | None) else PASSWORD.sub(HIDDEN, str(value))

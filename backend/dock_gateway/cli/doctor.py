@@ -50,7 +50,7 @@ def doctor(as_json: bool, seconds: float, **options: Any) -> None:
         document = {"ok": healthy, "checks": [check.document() for check in checks], "settings": lines}
         click.echo(orjson.dumps(document, option=orjson.OPT_INDENT_2))
     elif lines:
-        click.echo("\nSet this, and start the gateway again:")
+        click.echo("\nSet this in the configuration file (--config gateway.toml), and start the gateway again:")
         for line in lines:
             click.echo(f"  {line}")
     sys.exit(0 if healthy else 1)

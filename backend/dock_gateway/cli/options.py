@@ -14,7 +14,7 @@ from pydantic.fields import FieldInfo
 from dock_gateway.extension_list import settings_type
 from dock_gateway.setting_groups.group import CONFIG, PREFIX, SettingsGroup
 from dock_gateway.setting_types import Tuning
-from dock_gateway.settings import ONLY_A_VARIABLE, Settings, find_file_fault
+from dock_gateway.settings import WITHOUT_OPTION, Settings, find_file_fault
 
 TYPE = settings_type()
 S = TypeVar("S", bound=Settings)
@@ -124,7 +124,7 @@ def settings_options(command: Command, leave_out: Collection[str] = (), settings
         _option(name, field, group)
         for group, fields in groups_of(settings).items()
         for name, field in fields
-        if name not in leave_out and name != ONLY_A_VARIABLE
+        if name not in leave_out and name not in WITHOUT_OPTION
     ]
     for names, attributes in reversed(options):
         command = click.option(*names, cls=SettingOption, **attributes)(command)
@@ -146,7 +146,7 @@ def describe_default(default: object) -> str:
         return str(default).lower()
     if isinstance(default, tuple):
         return ",".join(default)
-    return "" if default is None else str(default)
+    return str(default) if default not in (None, {}) else ""
 
 
 def plain(text: str) -> str:

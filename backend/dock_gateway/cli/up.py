@@ -85,7 +85,6 @@ def default_robot(settings: Settings, robots: int) -> str:
 )
 @click.option(
     "--count",
-    "robots",
     type=click.IntRange(1, MAX_ROBOTS),
     help="Number of simulated robots, /robot1, /robot2, …, instead of one without a namespace.",
 )
@@ -95,7 +94,7 @@ def default_robot(settings: Settings, robots: int) -> str:
     help="Simulated sites, each with a gateway and --count of its own, behind one hub. Other options are the hub's.",
 )
 @partial(settings_options, leave_out={"serve_robots"})
-def up(no_sim: bool, robots: int | None, sites: int | None, **options: Any) -> None:
+def up(no_sim: bool, count: int | None, sites: int | None, **options: Any) -> None:
     """Run the gateway, a docking server and a simulated robot together, until Ctrl-C ends them all.
 
     They meet only ROS nodes on this machine: trying it out must not move a robot that happens to be on the same
@@ -109,21 +108,21 @@ def up(no_sim: bool, robots: int | None, sites: int | None, **options: Any) -> N
             raise click.UsageError("--sites are simulated: leave out --no-sim")
         if settings.namespace.strip("/"):
             raise click.UsageError("namespace: the robots of --sites have no other names than their site gives them")
-        _up_with_sites(sites, robots, settings, options)
+        _up_with_sites(sites, count, settings, options)
         return
-    if robots is not None:
+    if count is not None:
         if no_sim:
             raise click.UsageError("--count is of simulated robots: leave out --no-sim")
-        options["namespace"] = default_robot(settings, robots)
+        options["namespace"] = default_robot(settings, count)
         settings = read_settings(options)
     check_start(settings, os.environ, docking=True)
     stay_on_this_machine(os.environ, always=not no_sim)
     programs = TUTORIAL if no_sim else SIMULATED
-    commands = robot_commands(programs, settings) if robots is None else {"the fleet": fleet(robots)}
+    commands = robot_commands(programs, settings) if count is None else {"the fleet": fleet(count)}
 
     gateway = [sys.executable, "-m", "dock_gateway", "serve", *arguments_of(options)]
     running = supervise(
-        {"the gateway": gateway} | commands, own_url(settings), end_timeout=END_TIMEOUT + 0.2 * (robots or 0)
+        {"the gateway": gateway} | commands, own_url(settings), end_timeout=END_TIMEOUT + 0.2 * (count or 0)
     )
     if not asyncio.run(running):
         raise click.ClickException("the gateway could not be started; see the messages above")

@@ -44,5 +44,5 @@ class AllowList:
             raise NotAllowed(
                 f"{self._refused} {name[:200]}: start it with {option} to allow that",
                 code="not_allowed",
-                settings=[f"DOCK_GATEWAY_{self._setting.upper()}={name}"],
+                settings=[f'{self._setting} = ["{name}"]'],
             )

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, NamedTuple
 
-# The settings that say what a robot's battery driver means, as alerts name them.
-COUNTS_TO_100 = "DOCK_GATEWAY_PERCENTAGE_0_TO_100"
-CHARGES_NEGATIVE = "DOCK_GATEWAY_CHARGING_CURRENT_NEGATIVE"
+# The settings that say what a robot's battery driver means, as alerts name them: keys of its table.
+COUNTS_TO_100 = 'battery.percentage = "0-100"'
+CHARGES_NEGATIVE = 'battery.charging_current = "negative"'
 
 
 class PowerSupply(IntEnum):
@@ -142,9 +142,9 @@ def _doubt_charge(state: Mapping[str, Any], *, counts_to_100: bool) -> Doubt | N
     if value is None:
         return None
     if counts_to_100:
-        expected, advice = f"0 to 100, as {COUNTS_TO_100} says", ""
+        expected, advice = f"0 to 100, as the robot's {COUNTS_TO_100} says", ""
     else:
-        expected, advice = "0 to 1", f"If the driver counts to 100, name the robot in {COUNTS_TO_100}."
+        expected, advice = "0 to 1", f"If the driver counts to 100, set {COUNTS_TO_100} for the robot."
     if isinstance(value, str) or value < PERCENTAGE.low or (value / 100 if counts_to_100 else value) > PERCENTAGE.high:
         if not isinstance(value, str) and value < 0:
             advice = "A driver that does not know the charge should send NaN; check that it knows the battery."
@@ -158,7 +158,7 @@ def _doubt_charge(state: Mapping[str, Any], *, counts_to_100: bool) -> Doubt | N
 
 def doubt_unit(value: float) -> Doubt:
     """Return the doubt about a percentage below 1 of a driver that has counted to 100 before."""
-    advice = f"The driver seems to count to 100: name the robot in {COUNTS_TO_100}."
+    advice = f"The driver seems to count to 100: set {COUNTS_TO_100} for the robot."
     return Doubt("percentage", value, f"0 to 1, but it was above {SURELY_TO_100:g} before", advice)
 
 

@@ -4,7 +4,7 @@ import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from dock_gateway.core.battery import COUNTS_TO_100, SURELY_TO_100, PowerSupply
+from dock_gateway.core.battery import SURELY_TO_100, PowerSupply
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.filters import is_hidden, is_under, parent_of, prefix_of
 from dock_gateway.core.goal import Verb
@@ -14,7 +14,7 @@ from dock_gateway.doctor.check import Check, Level
 from dock_gateway.doctor.environment import describe_discovery
 from dock_gateway.goals.hints import Sight, find_join
 from dock_gateway.robots.plausibility import Plausibility
-from dock_gateway.setting_groups.group import PREFIX
+from dock_gateway.setting_groups.one_robot import describe_table
 from dock_gateway.settings import Settings
 from robot_io.installation import find_package_fault
 
@@ -152,7 +152,7 @@ class RobotChecks:
             return
         percentage, known = state["percentage"], self._settings.counts_to_100(robot)
         if isinstance(percentage, float | int) and percentage > SURELY_TO_100 and not known:
-            line = f"{COUNTS_TO_100}={robot}"
+            (line,) = describe_table(robot, battery__percentage="0-100")
             yield _Remark(Level.WARNING, f"It counts percentage to 100: set {line}", (line,))
             return
         for doubt in self._plausibility(robot).judge(state, time.monotonic(), time.time()).doubts:
@@ -162,8 +162,9 @@ class RobotChecks:
         """Return the setting that names the battery topic of a robot, or of all if no one uses the default name."""
         used = any(self._settings.battery_of(each) == topic for each, topic in self._batteries.items())
         if used or not is_under(battery, robot):
-            return f"{PREFIX}BATTERY_TOPICS={robot}={battery}"
-        return f"{PREFIX}BATTERY_TOPIC={battery.removeprefix(prefix_of(robot))}"
+            (line,) = describe_table(robot, battery__topic=battery)
+            return line
+        return f'battery_topic = "{battery.removeprefix(prefix_of(robot))}"'
 
     def _plausibility(self, robot: str) -> Plausibility:
         settings = self._settings
@@ -181,10 +182,5 @@ class RobotChecks:
 
 
 def merge_settings(checks: list[Check]) -> list[str]:
-    """Return the settings of all checks, one line for each variable."""
-    lines: dict[str, list[str]] = {}
-    for check in checks:
-        for line in check.settings:
-            name, _, value = line.partition("=")
-            lines.setdefault(name, []).append(value)
-    return [f"{name}={','.join(dict.fromkeys(values))}" for name, values in lines.items()]
+    """Return the settings of all checks, as lines of a configuration file."""
+    return list(dict.fromkeys(line for check in checks for line in check.settings))

@@ -182,7 +182,7 @@ def _about_current(state: RobotState) -> str:
         return ""
     return (
         " Its status is UNKNOWN, but current flows out of it. If its driver counts a charging current as negative, "
-        f"name the robot in {CHARGES_NEGATIVE}."
+        f"set {CHARGES_NEGATIVE} for the robot."
     )
 
 

@@ -7,6 +7,7 @@ from enum import StrEnum
 
 from dock_gateway.core.filters import is_hidden
 from dock_gateway.core.graph import Peer, Topic
+from dock_gateway.setting_groups.one_robot import describe_table
 
 
 class FindingKind(StrEnum):
@@ -127,12 +128,13 @@ def seen_twice(robots: Mapping[str, str], node: str) -> Finding:
     (robot, action), *others = sorted(robots.items())
     other, other_action = others[0]
     names = " and ".join(f"{name} ({by})" for name, by in [(robot, action), *others[:2]])
+    (line,) = describe_table(robot, dock_action=other_action)
     return Finding(
         FindingKind.ROBOT_SEEN_TWICE,
         robot,
         "One robot by two names?",
         f"{node} serves the docking actions of {names}. Automatic docking sends them no goals, as they may be one "
-        f"robot. If they are, set DOCK_GATEWAY_DOCK_ACTIONS={robot}={other_action}: {other} then has no docking server "
+        f"robot. If they are, set {line}: {other} then has no docking server "
         "of its own. If they are not, set DOCK_GATEWAY_ALLOW_SHARED_SERVERS=true.",
     )
 

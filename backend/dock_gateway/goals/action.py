@@ -35,6 +35,7 @@ class Action:
         shared: What all actions share.
         adapter: How the gateway speaks to it, if it docks or undocks robots.
         remark: Returns what is wrong around its robot: added to the reason of goals that are aborted.
+        default_dock: The dock that a goal means if it names none; empty: none.
         pinned: Whether to keep it even without a server.
         ping_idle: Whether to ask its server for a sign of life while no goal runs.
 
@@ -55,6 +56,7 @@ class Action:
         *,
         adapter: DockAdapter | None = None,
         remark: Callable[[], str] = str,
+        default_dock: str = "",
         pinned: bool = False,
         ping_idle: bool = False,
     ) -> None:
@@ -68,7 +70,7 @@ class Action:
         self.last_seen = float("-inf") if pinned else time.monotonic()
         self.feedback_dropped = 0
         self._fanout = fanout
-        self._default_dock = settings.default_dock
+        self.default_dock = default_dock
         self.tracker = GoalTracker(
             port, fanout, history, shared.reasons, adapter, remark=remark, before_lost=shared.before_lost, limits=limits
         )
@@ -163,7 +165,7 @@ class Action:
             stamped = codec(PoseStamped)
             pose = stamped.parse(request[POSE], f"{path}.{POSE}" if path else POSE)
             request = {**request, POSE: stamped.document(pose)}
-        return self.port.goal_codec.parse(self.adapter.goal(request, self._default_dock, path), path)
+        return self.port.goal_codec.parse(self.adapter.goal(request, self.default_dock, path), path)
 
     def _publish_server(self, state: ServerState) -> None:
         self._fanout.publish(system_event("action_server", state, utc_now(), action_name=self.name))

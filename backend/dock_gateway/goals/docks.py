@@ -13,7 +13,6 @@ from dock_gateway.core.scene import Pose
 from dock_gateway.core.tasks import cancel
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.parameter_reader import ParameterReader, find_server_node
-from dock_gateway.settings import Settings
 
 # Seconds for which an answer of a server is used again.
 FRESH = 5.0
@@ -32,21 +31,20 @@ class Docks:
     """Reads the docks of docking servers on demand, once for all simultaneous requests.
 
     Args:
-        settings: The default dock.
         bridge: Runs calls on the ROS thread.
     """
 
-    def __init__(self, settings: Settings, bridge: Bridge) -> None:
-        self._default = settings.default_dock
+    def __init__(self, bridge: Bridge) -> None:
         self._bridge = bridge
         self._readings: dict[str, _Reading] = {}
 
-    async def document(self, action: str, family: str) -> dict[str, Any]:
+    async def document(self, action: str, family: str, default: str = "") -> dict[str, Any]:
         """Return the docks of the server of an action, as `GET /docks` shows them.
 
         Args:
             action: Name of the docking action.
             family: Who defines its type.
+            default: The dock that a goal means if it names none; empty: the server's choice.
 
         Raises:
             Unavailable: It has no server (`action_server_unavailable`), which does not answer (`docks_unavailable`), or
@@ -55,7 +53,7 @@ class Docks:
         now = time.monotonic()
         self._readings = {name: each for name, each in self._readings.items() if _is_fresh(each, now)}
         if action not in self._readings:
-            task = asyncio.create_task(self._read(action, family))
+            task = asyncio.create_task(self._read(action, family, default))
             task.add_done_callback(lambda done: done.cancelled() or done.exception())  # even if no request waits for it
             self._readings[action] = _Reading(task, now)
         return await asyncio.shield(self._readings[action].task)  # shared with other requests
@@ -65,7 +63,7 @@ class Docks:
         for reading in self._readings.values():
             await cancel(reading.task)
 
-    async def _read(self, action: str, family: str) -> dict[str, Any]:
+    async def _read(self, action: str, family: str, default: str) -> dict[str, Any]:
         node = await find_server_node(self._bridge, action)
         if node is None:
             raise Unavailable(f"there is no server for {action}")
@@ -81,7 +79,7 @@ class Docks:
         finally:
             reader.close()
         first = docks[0]["dock_id"] if docks and family == FAMILY else None
-        return {"node": node, "dock_database": file, "default": self._default or first, "docks": docks}
+        return {"node": node, "dock_database": file, "default": default or first, "docks": docks}
 
 
 def _is_fresh(reading: _Reading, now: float) -> bool:

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from dock_gateway.core.filters import is_under
+from dock_gateway.setting_groups.one_robot import describe_table
 
 # The maximum number of names in one sentence.
 MAX_NAMES = 5
@@ -73,10 +74,10 @@ def find_join(robot: str, sights: Iterable[Sight]) -> Join | None:
     if len(candidates) != 1:
         return None
     (server,) = candidates
-    lines = [f"DOCK_GATEWAY_DOCK_ACTIONS={robot}={server.dock}"]
-    if server.undock:
-        lines.append(f"DOCK_GATEWAY_UNDOCK_ACTIONS={robot}={server.undock}")
-    detail = f"If {server.dock} docks {robot}, set {' and '.join(lines)}, and restart the gateway."
+    lines = describe_table(robot, dock_action=server.dock, undock_action=server.undock or None)
+    detail = (
+        f"If {server.dock} docks {robot}, set {' and '.join(lines)} in the configuration file, and restart the gateway."
+    )
     return Join(robot, server.robot, lines, detail)
 
 
@@ -135,7 +136,8 @@ def _advise(robot: str, others: Iterable[Sight]) -> list[str]:
     servers = [each.dock for each in others if each.dock and not each.battery]
     if not servers:
         return []
-    return [f"If one of them docks {robot}, set DOCK_GATEWAY_DOCK_ACTIONS={robot}=/its/name, and restart the gateway."]
+    (line,) = describe_table(robot, dock_action="/its/name")
+    return [f"If one of them docks {robot}, set {line} in the configuration file, and restart the gateway."]
 
 
 def _are_related(one: str, other: str) -> bool:

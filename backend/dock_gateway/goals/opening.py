@@ -50,7 +50,7 @@ async def open_goals(parts: Parts, stack: AsyncExitStack) -> None:
     parts.add(ActionRegistry, closed_by(stack, actions))
     history.on_loss = lambda: store_unfinished(actions, history)
     parts.add(Goals, Goals(actions, robot_actions, history))
-    parts.add(Docks, closed_by(stack, Docks(settings, bridge)))
+    parts.add(Docks, closed_by(stack, Docks(bridge)))
     parts.add(DockingHints, DockingHints(settings, actions, robots))
     _follow_docking(parts)
     _ask_for_approval(parts, stack)

@@ -160,14 +160,15 @@ class ActionRegistry:
         port = await self._bridge.call(lambda: ActionPort(self._bridge, name, kind), undo=ActionPort.close)
         found = self._catalog.find(name, [type_name])
         adapter = None if found is None else found[0]
-        of_configured_robot = self._catalog.robot_of(name, [type_name]) == self._configured_namespace
+        robot = self._catalog.robot_of(name, [type_name])
         action = Action(
             port,
             self._shared,
             adapter=adapter,
             remark=lambda: self.remark(name),
+            default_dock=self._shared.settings.default_dock_of(robot or self._configured_namespace),
             pinned=name in self._pinned,
-            ping_idle=name in self._pinned or of_configured_robot,
+            ping_idle=name in self._pinned or robot == self._configured_namespace,
         )
         for news, listeners in (
             (News.SENT, self.on_sent),

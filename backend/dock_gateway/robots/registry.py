@@ -25,7 +25,6 @@ from dock_gateway.ros.latch_port import LatchPort
 from dock_gateway.ros.robot_ports import BatteryPort
 from dock_gateway.ros.typed_topics import TypedTopics
 from dock_gateway.ros.velocity import VelocityPort, VelocityTopics
-from dock_gateway.setting_types import own_names
 from dock_gateway.settings import Settings
 
 log = logging.getLogger(__name__)
@@ -191,7 +190,7 @@ class RobotRegistry:
     def _batteries(self, scan: Scan) -> Iterator[tuple[str, list[str]]]:
         """Yield the namespaces with a topic that has the name of a battery's, and its types."""
         suffix = f"/{self._settings.battery_topic}"
-        own = {topic: robot for robot, topic in own_names(self._settings.battery_topics).items()}
+        own = {topic: robot for robot, topic in self._settings.own_batteries.items()}
         for name, types in scan.topics.items():
             if name in own:
                 yield own[name], types

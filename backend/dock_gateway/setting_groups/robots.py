@@ -5,13 +5,13 @@ from typing import Annotated, ClassVar, Self
 from pydantic import Field, model_validator
 
 from dock_gateway.setting_groups.group import SettingsGroup
+from dock_gateway.setting_groups.one_robot import RobotTables
 from dock_gateway.setting_types import (
     TUNING,
     ActionType,
     Namespace,
     NodeName,
     OptionalTopic,
-    OwnNames,
     Robots,
     Seconds,
     Topic,
@@ -41,14 +41,10 @@ class RobotSettings(SettingsGroup):
         "", description="The action behind `/undock`, relative to the namespace. Empty: as for `DOCK_ACTION`."
     )
     undock_action_type: ActionType = Field("", description="The type of that action. Empty: as on the ROS graph.")
-    dock_actions: OwnNames = Field(
-        (),
-        description="Docking actions of single robots, separated by commas: `/robot1=/docking/dock_robot`. For docking "
-        "servers that are not in the namespace of their robot: [nav2.md](nav2.md#other-namespaces).",
-    )
-    undock_actions: OwnNames = Field((), description="Undocking actions of single robots, likewise.")
-    battery_topics: OwnNames = Field(
-        (), description="Battery topics of single robots, likewise: `/robot1=/power/battery_status`."
+    robots: RobotTables = Field(
+        {},
+        description="What single robots have of their own, by namespace or pattern: tables of the configuration "
+        "file, or JSON ([below](configuration.md#single-robots)).",
     )
     default_dock: str = Field(
         "",
@@ -57,16 +53,6 @@ class RobotSettings(SettingsGroup):
         "([nav2.md](nav2.md)).",
     )
     battery_topic: Topic = Field("battery_status", description="Topic of `sensor_msgs/BatteryState`.")
-    percentage_0_to_100: Robots = Field(
-        (),
-        description="Robots whose battery driver counts `percentage` from 0 to 100, not to 1: namespaces such as "
-        "`/robot1` or `/hall_a/*`, separated by commas; `*` for all.",
-    )
-    charging_current_negative: Robots = Field(
-        (),
-        description="Robots whose battery driver counts a charging `current` as negative; as for "
-        "`PERCENTAGE_0_TO_100`. It counts where `power_supply_status` is UNKNOWN.",
-    )
     low_battery: float = Field(
         0.2,
         ge=0,

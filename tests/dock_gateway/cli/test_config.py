@@ -9,6 +9,7 @@ from click.testing import CliRunner, Result
 
 from dock_gateway.cli import main
 from dock_gateway.cli.options import TYPE, read_settings
+from dock_gateway.setting_groups.one_robot import describe_table
 from dock_gateway.settings import Settings
 
 FILE = """
@@ -16,6 +17,7 @@ port = 9000
 authentication = true
 allow_publish = ["/battery_status", "/robot1/*"]
 recordings = "all"
+robots."/robot1".default_dock = "lab"
 database_url = "postgresql://ada:secret@host/name"
 """
 
@@ -40,6 +42,27 @@ def test_an_option_comes_before_a_variable_and_that_before_the_file(monkeypatch:
     monkeypatch.setenv("DOCK_GATEWAY_PORT", "9001")
     assert read_settings({"port": None}).port == 9001
     assert read_settings({"port": "9002"}).port == 9002
+
+
+def test_a_table_of_a_robot(file: Path) -> None:
+    file.write_text("""
+        [robots."/robot1"]
+        dock_action = "/docking/dock_robot"
+        battery = { topic = "/power/battery_status", percentage = "0-100", charging_current = "negative" }
+        default_dock = "lab"
+    """)
+    settings = read_settings({})
+    assert settings.own_actions("dock") == {"/robot1": "/docking/dock_robot"}
+    assert settings.battery_of("/robot1") == "/power/battery_status"
+    assert (settings.counts_to_100("/robot1"), settings.charges_negative("/robot1")) == (True, True)
+    assert settings.default_dock_of("/robot1") == "lab"
+
+
+def test_lines_of_advice_are_lines_of_the_file(file: Path) -> None:
+    lines = describe_table("/robot1", dock_action="/a/dock", battery__percentage="0-100", undock_action=None)
+    file.write_text("\n".join(lines))
+    assert read_settings({}).own_actions("dock") == {"/robot1": "/a/dock"}
+    assert read_settings({}).counts_to_100("/robot1")
 
 
 def test_settings_of_extensions_are_in_the_file_too() -> None:
@@ -75,6 +98,7 @@ def test_show_says_where_a_value_comes_from_and_hides_secrets(monkeypatch: pytes
     assert "store_poses = false  (option --store-poses)" in text
     assert "postgresql://ada:********@host/name" in text
     assert "secret@" not in text
+    assert 'robots = {"/robot1":{"default_dock":"lab"}}' in text
     assert "max_robots" not in text
     everything = orjson.loads(run("show", "--all", "--json").output)
     assert everything["max_robots"] == {"value": 500, "source": "default"}

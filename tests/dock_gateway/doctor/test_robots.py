@@ -16,6 +16,8 @@ NAV2 = {
     "/docking/undock_robot": ["nav2_msgs/action/UndockRobot"],
 }
 
+TO_100 = {"/tb4": {"battery": {"percentage": "0-100"}}}
+
 
 def battery(percentage: float | None = 0.87, **more: Any) -> dict[str, Any]:
     stamp = {"stamp": {"sec": 0, "nanosec": 0}}
@@ -41,10 +43,13 @@ def test_a_turtlebot_4_and_the_settings_that_make_the_button_work() -> None:
     found = checks(**seen)
     assert found["graph"].level is Level.OK
     assert found["robot /tb4"].level is Level.WARNING
-    lines = ["DOCK_GATEWAY_BATTERY_TOPIC=battery_state", "DOCK_GATEWAY_PERCENTAGE_0_TO_100=/tb4"]
+    lines = ['battery_topic = "battery_state"', 'robots."/tb4".battery.percentage = "0-100"']
     assert found["robot /tb4"].settings == lines
     assert "docks with /tb4/dock (irobot_create_msgs/action/Dock); undocks with /tb4/undock" in found["robot /tb4"].text
-    check = checks(Settings(battery_topic="battery_state", percentage_0_to_100=("/tb4",)), **seen)["robot /tb4"]
+    check = checks(
+        Settings.model_validate({"battery_topic": "battery_state", "robots": TO_100}),
+        **seen,
+    )["robot /tb4"]
     assert check.level is Level.OK
     assert "at 87 %" in check.text
 
@@ -52,17 +57,19 @@ def test_a_turtlebot_4_and_the_settings_that_make_the_button_work() -> None:
 def test_a_battery_topic_of_one_of_several_robots() -> None:
     batteries = {"/robot1/battery_status": battery(), "/tb4/battery_state": battery()}
     check = checks(actions=CREATE3, batteries=batteries)["robot /tb4"]
-    assert check.settings == ["DOCK_GATEWAY_BATTERY_TOPICS=/tb4=/tb4/battery_state"]
+    assert check.settings == ['robots."/tb4".battery.topic = "/tb4/battery_state"']
 
 
 def test_a_docking_server_in_another_namespace() -> None:
     found = checks(actions=NAV2, batteries={"/robot1/battery_status": battery()})
     assert found["robot /robot1"].settings == [
-        "DOCK_GATEWAY_DOCK_ACTIONS=/robot1=/docking/dock_robot",
-        "DOCK_GATEWAY_UNDOCK_ACTIONS=/robot1=/docking/undock_robot",
+        'robots."/robot1".dock_action = "/docking/dock_robot"',
+        'robots."/robot1".undock_action = "/docking/undock_robot"',
     ]
     assert "No battery" in found["robot /docking"].text
-    joined = Settings(dock_actions=("/robot1=/docking/dock_robot",), undock_actions=("/robot1=/docking/undock_robot",))
+    joined = Settings.model_validate(
+        {"robots": {"/robot1": {"dock_action": "/docking/dock_robot", "undock_action": "/docking/undock_robot"}}}
+    )
     found = checks(joined, actions=NAV2, batteries={"/robot1/battery_status": battery()})
     assert {name: check.level for name, check in found.items()} == {"graph": Level.OK, "robot /robot1": Level.OK}
 
@@ -101,6 +108,6 @@ def test_an_empty_graph() -> None:
     assert "docs/nav2.md" in checks(nodes=7)["graph"].text
 
 
-def test_one_line_for_each_setting() -> None:
+def test_each_line_comes_once() -> None:
     merged = merge_settings([Check("", Level.OK, "", lines) for lines in (["A=1", "B=2"], ["A=3", "B=2"])])
-    assert merged == ["A=1,3", "B=2"]
+    assert merged == ["A=1", "B=2", "A=3"]

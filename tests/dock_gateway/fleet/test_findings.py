@@ -88,5 +88,5 @@ def test_bases_of_one_robot(
 def test_one_robot_by_two_names() -> None:
     found = seen_twice({"/relay": "/relay/dock", "/robot1": "/robot1/dock"}, "/relay/node")
     assert found.robot == "/relay"
-    for part in ("/relay/node", "/robot1 (/robot1/dock)", "DOCK_GATEWAY_DOCK_ACTIONS=/relay=/robot1/dock"):
+    for part in ("/relay/node", "/robot1 (/robot1/dock)", 'robots."/relay".dock_action = "/robot1/dock"'):
         assert part in found.detail

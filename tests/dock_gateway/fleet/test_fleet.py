@@ -326,7 +326,7 @@ async def test_a_docking_server_elsewhere_is_offered_to_those_who_see_both() -> 
     parts = Parts("/", "/robot1", "/robot2")
     fleet = parts.fleet()
     parts.robots["/robot2"].battery.on_battery(battery_message(2), 1)
-    settings = ["DOCK_GATEWAY_DOCK_ACTIONS=/robot2=/robot1/connect_to_charging_dock"]
+    settings = ['robots."/robot2".dock_action = "/robot1/connect_to_charging_dock"']
     assert document(fleet, "/robot2")["join"]["settings"] == settings
     assert document(fleet, "/")["join"] is None
     (limited,) = fleet.documents("/robot2", Grant(Role.VIEWER, robots=("/robot2",)))

@@ -41,7 +41,7 @@ async def test_a_goal_that_is_not_given_is_the_default_only_where_a_robot_docks(
         adapter = SimpleNamespace(default=default, reads_battery_goal=False, reads_dock_pose=False)
         adapter.goal = lambda request, dock, path: {**request, "dock_id": dock}
         codec = SimpleNamespace(parse=lambda value, path: (value, path))
-        action: Any = SimpleNamespace(adapter=adapter, port=SimpleNamespace(goal_codec=codec), _default_dock="home")
+        action: Any = SimpleNamespace(adapter=adapter, port=SimpleNamespace(goal_codec=codec), default_dock="home")
         return action
 
     assert Action.read_docking_request(docking({}), None, "goal") == ({"dock_id": "home"}, "goal")

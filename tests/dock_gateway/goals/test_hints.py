@@ -10,8 +10,8 @@ BASE = Sight("/robot1", battery="/robot1/battery_status")
 SERVER = Sight("/docking", dock="/docking/dock_robot", undock="/docking/undock_robot")
 WHOLE = Sight("/robot2", dock="/robot2/dock", battery="/robot2/battery_status")
 LINES = [
-    "DOCK_GATEWAY_DOCK_ACTIONS=/robot1=/docking/dock_robot",
-    "DOCK_GATEWAY_UNDOCK_ACTIONS=/robot1=/docking/undock_robot",
+    'robots."/robot1".dock_action = "/docking/dock_robot"',
+    'robots."/robot1".undock_action = "/docking/undock_robot"',
 ]
 NESTED = Sight("/robot1/docking", dock="/robot1/docking/dock")
 OTHER = Sight("/docking2", dock="/docking2/dock_robot")
@@ -41,10 +41,10 @@ def test_nothing_is_guessed_among_several() -> None:
     hint = docking_hint("/robot1", [BASE, SERVER, OTHER])
     assert hint is not None
     assert hint.settings == []
-    assert "DOCK_GATEWAY_DOCK_ACTIONS=/robot1=/its/name" in hint.detail
+    assert 'robots."/robot1".dock_action = "/its/name"' in hint.detail
     nested = find_join("/robot1", [BASE, SERVER, NESTED])
     assert nested is not None
-    assert nested.settings == ["DOCK_GATEWAY_DOCK_ACTIONS=/robot1=/robot1/docking/dock"]
+    assert nested.settings == ['robots."/robot1".dock_action = "/robot1/docking/dock"']
 
 
 @pytest.mark.parametrize(

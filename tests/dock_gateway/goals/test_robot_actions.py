@@ -115,7 +115,9 @@ def test_an_action_with_such_a_name_that_is_no_docking_action(graph: Graph) -> N
 
 
 def test_an_action_belongs_to_the_innermost_robot_that_is_known_or_was() -> None:
-    actions = make_robot_actions(Settings(dock_actions=("/on_graph=/servers/dock_it",)), "/", "/on_graph")
+    actions = make_robot_actions(
+        Settings.model_validate({"robots": {"/on_graph": {"dock_action": "/servers/dock_it"}}}), "/", "/on_graph"
+    )
     names = {
         "/on_graph/arm/wave": "/on_graph",
         "/servers/dock_it": "/on_graph",
@@ -132,6 +134,10 @@ def test_an_action_in_no_robots_namespace_is_of_its_own_namespace() -> None:
 
 
 def test_the_actions_below_a_namespace_are_those_of_its_robots_and_shared_ones() -> None:
-    actions = make_robot_actions(Settings(undock_action="/fleet/undock", dock_actions=("/r=/servers/dock_it",)))
+    actions = make_robot_actions(
+        Settings.model_validate(
+            {"undock_action": "/fleet/undock", "robots": {"/r": {"dock_action": "/servers/dock_it"}}}
+        )
+    )
     names = ("/r/wave", "/r/arm/wave", "/servers/dock_it", "/fleet/undock", "/r2/wave", "/servers/other")
     assert [name for name in names if actions.is_below(name, "/r")] == list(names[:4])

@@ -27,7 +27,7 @@ from tests.support.shapes import check_answer
 STOP = {"latched": True, "since": "2026-11-21T03:32:40Z", "by": "ada", "robots": ["/robot1"], "persisted": True}
 SERVER = ServerState("/dock", "pkg/action/Dock", available=False, answering=False)
 SIGHTS = [Sight("/"), Sight("/robot1", battery="/robot1/battery_status"), Sight("/docking", dock="/docking/dock")]
-LINE = "DOCK_GATEWAY_DOCK_ACTIONS=/robot1=/docking/dock"
+LINE = 'robots."/robot1".dock_action = "/docking/dock"'
 EVERYTHING = ("ada", ["/robot1"], "no route to db.example", ["/robot1", "/docking"], [LINE], ["Two bases."])
 NOBODY = (None, [], None, [], [], [])
 

@@ -85,7 +85,7 @@ def test_a_driver_that_counts_to_100_by_the_setting(sent: float, believed: float
 def test_what_even_such_a_driver_cannot_mean(sent: float) -> None:
     reading = Driver(counts_to_100=True).send(percentage=sent)
     assert (reading.percentage, doubted(reading)) == (None, ["percentage"])
-    assert f"as {COUNTS_TO_100} says" in reading.named[0].sentence
+    assert f"as the robot's {COUNTS_TO_100} says" in reading.named[0].sentence
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,6 @@ from dock_gateway.core.dock_adapters import charging_dock, create3, nav2
 from dock_gateway.core.dock_adapters.adapter import DockAdapter
 from dock_gateway.core.filters import is_hidden, is_under, parent_of
 from dock_gateway.core.goal import Verb
-from dock_gateway.setting_types import own_names
 from dock_gateway.settings import Settings
 
 # The preferred family first.
@@ -90,8 +89,8 @@ class DockingCatalog:
         }
         self._candidates = {verb: _candidates(verb, *names) for verb, names in configured.items()}
         own: dict[Verb, dict[str, str]] = {
-            "dock": own_names(settings.dock_actions),
-            "undock": own_names(settings.undock_actions),
+            "dock": settings.own_actions("dock"),
+            "undock": settings.own_actions("undock"),
         }
         self._own = {
             (verb, robot): Candidate(name, _likely_type(verb, name), strict=False, configured=True, robot=robot)

@@ -19,4 +19,4 @@ router = APIRouter(route_class=ApiRoute, tags=["Dock"])
 async def list_docks(actions: Part[ActionRegistry], docks: Part[Docks], robot: RobotQuery = None) -> Answer[DockList]:
     """List the docks of the robot's docking server, in its order. There are none if it knows no docks by name."""
     action = await actions.find_docking("dock", robot)
-    return json_response(await docks.document(action.name, action.family))
+    return json_response(await docks.document(action.name, action.family, action.default_dock))

@@ -93,7 +93,11 @@ def test_a_shared_action_makes_no_robot_of_its_namespace() -> None:
 
 def test_actions_of_single_robots() -> None:
     ours = ("connect_to_charging_dock", "dock_robot", "dock")
-    named = DockingCatalog(Settings(dock_actions=("/robot1=/docking/dock_robot",), undock_actions=("/=/base/park",)))
+    named = DockingCatalog(
+        Settings.model_validate(
+            {"robots": {"/robot1": {"dock_action": "/docking/dock_robot"}, "/": {"undock_action": "/base/park"}}}
+        )
+    )
     assert named.names("dock", "/robot1") == ("/docking/dock_robot", *(f"/robot1/{name}" for name in ours))
     assert "/docking/dock_robot" not in named.names("dock", "/docking")
     assert named.names("undock")[0] == "/base/park"
