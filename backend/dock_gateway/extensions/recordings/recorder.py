@@ -11,7 +11,7 @@ from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.extensions.recordings.collector import RobotCollector
 from dock_gateway.extensions.recordings.ring import Ring
-from dock_gateway.extensions.recordings.server_parameters import ServerParameters
+from dock_gateway.extensions.recordings.server_parameters import PAUSE, ServerParameters
 from dock_gateway.extensions.recordings.settings import RecordingSettings
 from dock_gateway.extensions.recordings.store import OpenRecording, RecordingStore
 from dock_gateway.extensions.recordings.topics import CAMERA, Wanted, recorded_topics
@@ -28,8 +28,6 @@ log = logging.getLogger(__name__)
 BEFORE, AFTER = 5.0, 2.0
 # Seconds between two pieces of a file, and between two checks of what is to be deleted.
 FLUSH, CLEAN = 0.5, 60.0
-# Seconds after each attempt to read the parameters of a goal's server.
-PARAMETER_PAUSES = (1.0, 3.0, 10.0)
 # Seconds that the end of the gateway waits for the disk.
 CLOSE_TIMEOUT = 2.0
 # Bytes of a recording, as a file and without compression, after which only its end is written.
@@ -180,11 +178,11 @@ class Recorder:
     async def _note_parameters(self, running: _Running) -> None:
         """Keep the parameters of the goal's server: by them its decisions can be replayed."""
         goal = running.goal
-        for pause in PARAMETER_PAUSES:  # a busy server may not answer at once
+        while True:  # a busy server may not answer at once
             if (parameters := await self._parameters.read(goal.action_name)) is not None:
                 running.collector.note({"type": "parameters", "goal_id": goal.goal_id, **parameters})
                 return
-            await asyncio.sleep(pause)
+            await asyncio.sleep(PAUSE)
             if running.ends_at is not None:
                 return
 

@@ -1,6 +1,7 @@
 """The parameters of action servers, for the recordings of their goals."""
 
 import logging
+import time
 from collections.abc import Container
 from contextlib import closing
 from dataclasses import dataclass, field
@@ -18,6 +19,8 @@ log = logging.getLogger(__name__)
 
 # Where every node says which of its parameters have changed.
 EVENTS, EVENT_TYPE = "/parameter_events", "rcl_interfaces/msg/ParameterEvent"
+# Seconds after which a server that has not answered is asked again.
+PAUSE = 10.0
 
 
 @dataclass
@@ -28,6 +31,7 @@ class _Known:
     node: str
     values: dict[str, Any] = field(default_factory=dict)
     complete: bool = False
+    asked_at: float = field(default_factory=time.monotonic)
 
 
 class ServerParameters:
@@ -48,23 +52,29 @@ class ServerParameters:
         """Return the node of an action server and the values of its parameters; None if it does not tell them."""
         try:
             await self._listen()
-            if not (servers := await self._find(action)):
-                return None
-            node, gid = servers[-1]
-            known = self._known.get(action)
-            # One that was killed stays on the graph beside its successor for a while.
-            if known is None or known.gid != gid or not known.complete or len(servers) > 1:
-                known = self._known[action] = _Known(gid, node)
-                known.values = {**await self._ask(node), **known.values}  # a change meanwhile is newer
-                known.complete = True
+            known = await self._know(action)
         except (GatewayError, TimeoutError) as error:
-            self._known.pop(action, None)
             log.info("the parameters of the server of %s are not recorded: %s", action, error or "it does not answer")
             return None
-        return {
-            "node": known.node,
-            "values": {name: value for name, value in known.values.items() if value is not None},
-        }
+        if known is None or not known.complete:
+            return None
+        values = {name: value for name, value in known.values.items() if value is not None}
+        return {"node": known.node, "values": values}
+
+    async def _know(self, action: str) -> _Known | None:
+        """Return what is known of a server, and ask it if that is not all."""
+        if not (servers := await self._find(action)):
+            return None
+        node, gid = servers[-1]
+        known = self._known.get(action)
+        # One that was killed stays on the graph beside its successor for a while.
+        same = known is not None and known.gid == gid and len(servers) == 1
+        if known is not None and same and (known.complete or time.monotonic() - known.asked_at < PAUSE):
+            return known
+        known = self._known[action] = _Known(gid, node)
+        known.values = {**await self._ask(node), **known.values}  # a change meanwhile is newer
+        known.complete = True
+        return known
 
     def keep(self, actions: Container[str]) -> None:
         """Forget the servers of all other actions."""
