@@ -57,6 +57,7 @@ def _contents(installed: Installed) -> Contents:
         messages=battery_schemas,
         values={"AlertKind": [kind.value for kind in installed.kinds]},
         codes=installed.errors,
+        fields=dict.fromkeys(("Goal", "ExportedGoal"), installed.goal_fields),
         asyncapi=partial(asyncapi_document, further=further),
     )
 
@@ -78,7 +79,7 @@ def api_routers(settings: Settings, installed: Installed) -> list[APIRouter]:
         export_routes.router,  # before goals: `export` and `tags` are not goal ids
         note_routes.router,
         history_routes.router,
-        sent_goals.anywhere,
+        sent_goals.canceling,
         sent_goals.of_action,
         action_routes.router,
         approval_routes.router,

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any, TypedDict
 
 from fastapi import APIRouter, Depends, FastAPI
+from pydantic import BaseModel
 from starlette.middleware.cors import CORSMiddleware
 from starlette.routing import BaseRoute
 
@@ -47,6 +48,7 @@ class Contents:
         messages: Returns the schemas of ROS messages, by name.
         values: Further values of enumerations, by the name of the component.
         codes: Further error codes.
+        fields: Further fields of components, by the name of the component: the model of each, which may be null.
         asyncapi: Makes the AsyncAPI document from the OpenAPI document, if there is one.
         many_sites: Whether it is one dashboard for many sites, each below `/sites/{site}`.
     """
@@ -57,6 +59,7 @@ class Contents:
     messages: Callable[[], Document] = dict
     values: Mapping[str, Sequence[str]] = field(default_factory=dict)
     codes: Sequence[ErrorCode] = ()
+    fields: Mapping[str, Mapping[str, type[BaseModel]]] = field(default_factory=dict)
     asyncapi: Callable[[Document], Document] | None = None
     many_sites: bool = False
 
@@ -121,6 +124,7 @@ def _add_documents(app: FastAPI, settings: Settings, contents: Contents) -> None
         messages=contents.messages,
         values=contents.values,
         codes=[*CORE, *contents.codes],
+        fields=contents.fields,
     )
     if (make := contents.asyncapi) is not None:
         serve_document(app, "/asyncapi.json", lambda: make(app.openapi()))

@@ -24,6 +24,7 @@ from dock_gateway.extension_list import OURS, PACKAGE, find_entry_point, further
 from dock_gateway.fleet import alert_kinds
 from dock_gateway.fleet.alert import Alert
 from dock_gateway.fleet.alert_kinds import AlertKind
+from dock_gateway.goals.goal_documents import GoalDocuments, GoalField
 from dock_gateway.http.operation import Undeclared
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Limit
@@ -56,6 +57,7 @@ class Extension:
         errors: The error codes that it adds.
         limits: Returns what users share of it, by name.
         metrics: Returns the metrics of its part, also of None.
+        goal_field: The field that it adds to the goals of the REST API.
         card: A file with an ES module that defines the custom element `NAME-card`, which a robot's page shows. For an
             extension of another distribution: ours are built into the dashboard.
     """
@@ -70,6 +72,7 @@ class Extension:
     errors: Sequence[ErrorCode] = ()
     limits: Callable[[Settings], Mapping[str, Limit]] = field(default=lambda _: {})
     metrics: Callable[[Any], Iterable[Metric]] = field(default=lambda _: ())
+    goal_field: GoalField | None = None
     card: Path | None = None
 
 
@@ -129,6 +132,11 @@ class Installed:
         return [topic for each in self for topic in each.includes]
 
     @property
+    def goal_fields(self) -> dict[str, type[BaseModel]]:
+        """The models of the fields that they add to goals, by name."""
+        return {each.goal_field.name: each.goal_field.model for each in self if each.goal_field is not None}
+
+    @property
     def kinds(self) -> list[AlertKind]:
         """The kinds of alerts that they add."""
         return [kind for each in self for kind in each.alerts]
@@ -165,6 +173,8 @@ class Installed:
             parts: What they reach, and where the part of each is added.
             stack: Closes them.
         """
+        for name in self.goal_fields:
+            parts[GoalDocuments].fields[name] = None
         for each in self:
             if each.open is None or each.name in self.failed:
                 continue
@@ -179,6 +189,8 @@ class Installed:
                 parts.mark_failed(each.name, each.open.__module__.rpartition(".")[0] or each.open.__module__)
             else:
                 self.metrics.append(partial(each.metrics, part))
+                if each.goal_field is not None and part is not None:
+                    parts[GoalDocuments].fields[each.goal_field.name] = partial(each.goal_field.read, part)
 
     def alerts(self) -> list[Alert]:
         """Return an alert for each that could not be imported or opened."""

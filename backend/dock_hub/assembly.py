@@ -14,6 +14,7 @@ from dock_gateway.core.goal import Goal
 from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import closed_by
 from dock_gateway.extension import Installed
+from dock_gateway.goals.goal_documents import GoalDocuments
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.further_ways import FurtherWays
@@ -111,6 +112,7 @@ def _open_overview(settings: HubSettings, parts: Parts, stack: AsyncExitStack) -
     labels = parts.add(RobotLabels, SiteLabels(sites))
     robot_actions = parts.add(RobotActions, RobotActions(settings, sites, labels, history))
     goals = parts.add(Goals, Goals(NoLiveGoals(), robot_actions, history))
+    parts.add(GoalDocuments, GoalDocuments(history))
     overview = parts.add(Overview, closed_by(stack, Overview(parts[Fanout], sites, goals, history)))
     parts.add(Robots, overview)
     parts.add(Alerts, overview)

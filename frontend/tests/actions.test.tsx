@@ -1,5 +1,5 @@
 import { EditorView } from "@codemirror/view";
-import type { ActionInfo, Goal } from "@dock-gateway/client";
+import type { ActionInfo, LiveGoal } from "@dock-gateway/client";
 import { act, screen, waitFor, within } from "@testing-library/react";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import { openStream } from "../src/stream/stream";
@@ -318,7 +318,7 @@ describe("the goal to watch", () => {
     answering([fibonacci]);
     const { user } = renderPage(
       fakeGateway(),
-      { goals: [{ ...past, goal: { order: 21 } } as unknown as Goal] },
+      { goals: [{ ...past, goal: { order: 21 } } as unknown as LiveGoal] },
       "/ui/actions/robot1/fibonacci",
     );
     await field("order");

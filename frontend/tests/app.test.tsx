@@ -1,4 +1,4 @@
-import { ClientError, type GatewayEvent, type Goal } from "@dock-gateway/client";
+import { ClientError, type GatewayEvent, type LiveGoal } from "@dock-gateway/client";
 import { notifications } from "@mantine/notifications";
 import { onlineManager } from "@tanstack/react-query";
 import { act, screen, waitFor, within } from "@testing-library/react";
@@ -204,7 +204,7 @@ describe("goals of other actions", () => {
   it("do not disturb the page", async () => {
     const fibonacci = { action_name: "/fibonacci", feedback: { partial_sequence: [0, 1, 1] } };
     const { store } = renderPage(fakeGateway(), {
-      goals: [{ ...running, ...fibonacci } as unknown as Goal],
+      goals: [{ ...running, ...fibonacci } as unknown as LiveGoal],
     });
     act(() => {
       store.onEvent(status("f", { action_name: "/fibonacci" }));

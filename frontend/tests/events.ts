@@ -4,7 +4,7 @@ import type {
   Alert,
   BatteryState,
   EventOf,
-  Goal,
+  LiveGoal,
   Publisher,
   Robot,
   Scene,
@@ -88,7 +88,7 @@ export function stopReport(change: Partial<StopReport> = {}): StopReport {
   };
 }
 
-export function undockGoal(id: string, change: Partial<Goal> = {}): Goal {
+export function undockGoal(id: string, change: Partial<LiveGoal> = {}): LiveGoal {
   const action_type = "action_tutorials_interfaces/action/DisconnectFromChargingDock";
   return goal(id, { action_name: undockServer.action_name, action_type, verb: "undock", ...change });
 }
@@ -162,7 +162,7 @@ export function alert(id: string, change: Partial<Alert> = {}): Alert {
   };
 }
 
-export function goal(id: string, change: Partial<Goal> = {}): Goal {
+export function goal(id: string, change: Partial<LiveGoal> = {}): LiveGoal {
   return {
     goal_id: id,
     action_name: "/dock",
@@ -220,7 +220,7 @@ function head(id: string, seconds: number) {
   return { id: nextId(), time: at(seconds), goal_id: id, action_name: "/dock" };
 }
 
-export function status(id: string, change: Partial<Goal> = {}, seconds = 1): EventOf<"status"> {
+export function status(id: string, change: Partial<LiveGoal> = {}, seconds = 1): EventOf<"status"> {
   const {
     feedback: _feedback,
     result: _result,

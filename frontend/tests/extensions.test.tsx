@@ -34,7 +34,7 @@ describe("an extension that throws", () => {
   });
 
   it.each([
-    ["listedGoal", <Parts key="" at="listedGoal" goal={DOCKED} listed={[DOCKED]} quiet />, null],
+    ["listedGoal", <Parts key="" at="listedGoal" goal={DOCKED} quiet />, null],
     ["replay", <Parts key="" at="replay" goal={DOCKED} onLayer={() => {}} quiet />, null],
     ["robotHead", <Parts key="" at="robotHead" robot="/" />, "The extension broken cannot be shown"],
   ] as const)("takes no other part of %s with it", (place, parts, said) => {

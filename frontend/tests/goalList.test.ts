@@ -1,4 +1,4 @@
-import type { AnyGoal, AnyGoalPage } from "@dock-gateway/client";
+import type { GoalPage, LiveGoal } from "@dock-gateway/client";
 import { describe, expect, it } from "vitest";
 import { goalExportUrl, goalsExportUrl } from "../src/api/goals";
 import { goalFilter, matches, toQuery } from "../src/goals/filter";
@@ -77,13 +77,16 @@ describe("the filter", () => {
 
 describe("the list", () => {
   const all = () => true;
-  const page = (goals: AnyGoal[], next_cursor: string | null = null): AnyGoalPage => ({
-    goals: goals.map((each) => ({ ...each, tags: each.goal_id === "a" ? ["blocked"] : [] })),
+  const page = (goals: LiveGoal[], next_cursor: string | null = null): GoalPage => ({
+    goals: goals.map((each) => ({
+      ...each,
+      tags: each.goal_id === "a" ? ["blocked"] : [],
+    })) as GoalPage["goals"],
     next_cursor,
   });
   const created = (id: string, seconds: number, change = {}) =>
     goal(id, { created_at: at(seconds), updated_at: at(seconds), ...change });
-  const ids = (goals: AnyGoal[]) => goals.map(({ goal_id }) => goal_id);
+  const ids = (goals: LiveGoal[]) => goals.map(({ goal_id }) => goal_id);
 
   it("has what is loaded and what came since, newest first, each once", () => {
     const known = [created("new", 9), created("b", 2)];
@@ -125,7 +128,7 @@ describe("the list", () => {
 
   it("drops a goal that no longer fits", () => {
     const ended = created("a", 1, { status: "succeeded", updated_at: at(5) });
-    const running = (each: AnyGoal) => matches(each, read("status=running"), START);
+    const running = (each: LiveGoal) => matches(each, read("status=running"), START);
     expect(mergeGoalList([page([created("a", 1)])], [ended], running)).toEqual([]);
   });
 });

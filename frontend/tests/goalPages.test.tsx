@@ -1,4 +1,4 @@
-import type { AnyGoal, GatewayEvent, StreamHandlers } from "@dock-gateway/client";
+import type { GatewayEvent, LiveGoal, StreamHandlers } from "@dock-gateway/client";
 import { act, fireEvent, screen, waitFor, within } from "@testing-library/react";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import type { PlotStackProps } from "../src/ui/PlotStack";
@@ -31,7 +31,6 @@ type Answer = (request: Request, path: string) => unknown;
 /** A gateway that answers over HTTP with what a test gives for the beginning of a path; else 404. */
 function answering(more: Record<string, Answer>) {
   const answers: Record<string, Answer> = {
-    "GET /goals/a/notes": () => ({ tags: [], notes: [] }),
     "GET /goals/tags": () => ({ tags: [] }),
     ...more,
   };
@@ -52,7 +51,7 @@ function answering(more: Record<string, Answer>) {
 const at = (seconds: number) => new Date(Date.now() + seconds * 1000).toISOString();
 const button = (name: string | RegExp) => screen.getByRole<HTMLButtonElement>("button", { name });
 const rows = () => within(screen.getByRole("table")).getAllByRole("row").slice(1);
-const ended = (id: string, seconds: number, change: Partial<AnyGoal> = {}) =>
+const ended = (id: string, seconds: number, change: Partial<LiveGoal> = {}) =>
   goal(id, {
     status: "succeeded",
     created_at: at(seconds),
@@ -138,7 +137,7 @@ describe("the page of a goal", () => {
     act(() => {
       for (const event of events) streams[0]?.handlers.onEvent(event);
     });
-  const connect = (goals: AnyGoal[]) => {
+  const connect = (goals: LiveGoal[]) => {
     tell(snapshot({ goals: goals as never }));
     act(() => streams[0]?.handlers.onConnection({ kind: "snapshot" }));
   };
@@ -242,21 +241,23 @@ describe("the page of a goal", () => {
     let stored = { tags: ["blocked"], notes: [note] };
     const sent: unknown[] = [];
     const { asked } = answering({
-      "GET /goals/a/notes": () => stored,
       "GET /goals/tags": () => ({ tags: ["blocked", "maintenance"] }),
       "POST /goals/a/notes": (request) => {
         request.json().then((body) => sent.push(body));
-        stored = { ...stored, notes: [note, { ...note, note_id: "n2", by: "Ada", text: "gone" }] };
-        return stored;
+        const added = { ...note, note_id: "n2", by: "Ada", text: "gone" };
+        stored = { ...stored, notes: [note, added] };
+        return added;
       },
       "PUT /goals/a/tags": (request) => {
         request.json().then((body) => sent.push(body));
         stored = { ...stored, tags: ["blocked", "late"] };
-        return stored;
+        return { tags: stored.tags };
       },
-      "DELETE /goals/a/notes/n1": () => ({ ...stored, notes: stored.notes.slice(1) }),
+      "DELETE /goals/a/notes/n1": () => {
+        stored = { ...stored, notes: stored.notes.slice(1) };
+      },
       "GET /goals/a/history": () => ({ events: [], next_after: null, complete: true }),
-      "GET /goals/a": () => ended("a", -60),
+      "GET /goals/a": () => ({ ...ended("a", -60), ...stored }),
       "GET /interfaces": schemas,
     });
     const { user } = renderPage(fakeGateway(), {}, "/ui/goals/a");

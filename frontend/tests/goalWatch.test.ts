@@ -1,11 +1,11 @@
 // @vitest-environment jsdom
 
 import {
-  type AnyGoal,
   ClientError,
   type GatewayEvent,
   type GoalEvent,
   type GoalHistory,
+  type LiveGoal,
   type StreamHandlers,
 } from "@dock-gateway/client";
 import { describe, expect, it, type Mock, vi } from "vitest";
@@ -28,7 +28,7 @@ interface Asked {
 }
 
 /** A goal that is watched: what the gateway answers, and the stream to tell events by. */
-async function watching(change: Partial<Asked> = {}, first: AnyGoal = goal("a")) {
+async function watching(change: Partial<Asked> = {}, first: LiveGoal = goal("a")) {
   const api: Asked = {
     goal: vi.fn<GoalsApi["goal"]>(async () => first),
     history: vi.fn<GoalsApi["history"]>(async () => history([])),

@@ -1,4 +1,4 @@
-import type { GatewayEvent, Goal } from "@dock-gateway/client";
+import type { GatewayEvent, LiveGoal } from "@dock-gateway/client";
 import { describe, expect, it } from "vitest";
 import { meaning, outcome } from "../src/goal/words";
 import { mergeGoals, newestFirst } from "../src/store/goals";
@@ -238,7 +238,7 @@ describe("other actions on the graph", () => {
     }),
     goal: { order: 5 },
     feedback: { partial_sequence: [0, 1, 1] },
-  } as unknown as Goal;
+  } as unknown as LiveGoal;
   const events = [
     status("f", { action_name: name }),
     { ...feedback("f"), action_name: name, feedback: { partial_sequence: [0, 1, 1] } },

@@ -39,8 +39,8 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         gateway.wait_until_ready()
         goal_id = gateway.http.post("/dock").raise_for_status().json()["goal_id"]
         gateway.wait_for_goal(goal_id, "succeeded")
-        path = f"/goals/{goal_id}/recording"
-        wait_until(lambda: gateway.http.get(path).raise_for_status().json()["size"], "the recording")
+        path = f"/goals/{goal_id}"
+        wait_until(lambda: gateway.http.get(path).raise_for_status().json()["recording"]["size"], "the recording")
         file.write_bytes(gateway.http.get(f"{path}.mcap").raise_for_status().content)
         yield file
 

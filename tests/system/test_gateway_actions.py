@@ -43,14 +43,15 @@ def test_an_action_appears_is_used_and_goes(gateway: RunningGateway, shared_doma
         response = gateway.http.post("/actions/fibonacci/goals", json={"order": 10})
         assert response.status_code == 202
         goal_id = response.json()["goal_id"]
-        assert response.headers["location"] == f"/actions/fibonacci/goals/{goal_id}"
+        assert response.headers["location"] == f"/goals/{goal_id}"
         assert stream.until_type("feedback")["feedback"]["partial_sequence"][:3] == [0, 1, 1]
         assert stream.until_type("result")["result"]["sequence"] == FIBONACCI
         goal = gateway.http.get(response.headers["location"]).json()
         assert (goal["status"], goal["goal"]) == ("succeeded", {"order": 10})
         page = gateway.http.get("/actions/fibonacci/goals").json()["goals"]
         assert [entry["goal_id"] for entry in page] == [goal_id]
-        assert gateway.http.get(f"/actions{ACTION}/goals/{goal_id}").status_code == 404
+        assert gateway.http.get(f"/actions/fibonacci/goals/{goal_id}").json() == goal
+        assert page == gateway.http.get("/goals?action=/fibonacci").json()["goals"] == [goal]
 
         running = gateway.http.post("/actions/fibonacci/goals", json={"order": 40}).json()["goal_id"]
         assert gateway.http.post(f"/actions/fibonacci/goals/{running}/cancel").status_code == 202

@@ -75,7 +75,8 @@ SIMULATOR = without("docked")  # the charger takes a moment to give power, and m
 SAID = without("persisted")  # the disk may be slower than the answer
 PERIOD = entry("parameters", "name", "battery_resume_after", part("value"))
 LABELED = only("display_name", "groups")
-PLACE, NOTES = "/simulator/place", "/goals/{goal}/notes"
+PLACE, GOAL = "/simulator/place", "/goals/{goal}"
+NOTE = entry("notes", "note_id", "{note}")
 ACKNOWLEDGEMENT, ALERT = "/alerts/{alert}/acknowledgement", entry("alerts", "id", "{alert}")
 
 # In the order in which they are carried out. Not among them are commands whose answer is no state (a published
@@ -117,11 +118,11 @@ CASES = {
         entry("tokens", "name", "script"),
     ),
     "no token": Case("DELETE", "/tokens/{token}", None, "/tokens", nothing, entry("tokens", "id", "{token}")),
-    "a goal": Case("POST", "/dock", {}, "/dock/{goal}", part("goal_id"), part("goal_id")),
-    "tags": Case("PUT", "/goals/{goal}/tags", {"tags": ["blocked"]}, NOTES),
-    "a note": Case("POST", NOTES, {"by": "Ada", "text": "Lens wiped"}, NOTES),
-    "no note": Case("DELETE", NOTES + "/{note}", None, NOTES),
-    "canceled": Case("POST", "/dock/{goal}/cancel", None, "/dock/{goal}", is_canceled, is_canceled),
+    "a goal": Case("POST", "/dock", {}, GOAL, part("goal_id"), part("goal_id")),
+    "tags": Case("PUT", GOAL + "/tags", {"tags": ["blocked"]}, GOAL, whole, only("tags")),
+    "a note": Case("POST", GOAL + "/notes", {"by": "Ada", "text": "Lens wiped"}, GOAL, whole, NOTE),
+    "no note": Case("DELETE", GOAL + "/notes/{note}", None, GOAL, nothing, NOTE),
+    "canceled": Case("POST", GOAL + "/cancel", None, GOAL, is_canceled, is_canceled),
 }
 
 
@@ -153,7 +154,7 @@ def learn(gateway: RunningGateway, name: str, answer: Any) -> dict[str, str]:
         case "a token":
             return {"token": answer["id"]}
         case "a note":
-            return {"note": answer["notes"][-1]["note_id"]}
+            return {"note": answer["note_id"]}
     return {}
 
 

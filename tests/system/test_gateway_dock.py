@@ -42,7 +42,7 @@ def test_the_tutorial_over_http(gateway: RunningGateway) -> None:
         response = gateway.http.post("/dock", json={"desired_battery_state": CHARGING})
         assert response.status_code == 202
         goal = response.json()
-        assert response.headers["location"] == f"/dock/{goal['goal_id']}"
+        assert response.headers["location"] == f"/goals/{goal['goal_id']}"
         assert goal["status"] in ("accepted", "executing")
         assert goal["verb"] == stream.until_type("status")["verb"] == "dock"
         assert goal["goal"]["desired_battery_state"]["voltage"] == 2.16

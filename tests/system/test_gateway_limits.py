@@ -160,7 +160,6 @@ def test_the_other_robot_is_out_of_reach(robots: Robots, goals: dict[str, str]) 
         ("GET", "/goals/{}", None),
         ("GET", "/goals/{}/events", None),
         ("GET", "/goals/{}/history", None),
-        ("GET", "/goals/{}/notes", None),
         ("GET", "/goals/{}/export?format=csv", None),
         ("GET", f"/actions{ONE}/connect_to_charging_dock/goals/{{}}", None),
         ("GET", f"/actions{ONE}/connect_to_charging_dock/goals/{{}}/events", None),

@@ -9,6 +9,8 @@ from dock_gateway.core.goal import GoalError, GoalStatus, Origin, Verb
 
 STATUSES = {str(status): status for status in GoalStatus}
 
+# What the goals of a stream lack.
+NOT_LOOKED_UP = dict.fromkeys(("tags", "notes", "recording"))
 Document = dict[str, Any]
 """A JSON object, as in the OpenAPI document of the gateway."""
 
@@ -24,7 +26,8 @@ class _Read:
 class GoalState(_Read):
     """A goal on any action, as docs/api.md describes it. `goal`, `feedback` and `result` are ROS messages as JSON.
 
-    A state or a verb that only a newer gateway has is the text that it sent.
+    A state or a verb that only a newer gateway has is the text that it sent. `tags`, `notes` and `recording` are None
+    in the answer to a goal that was sent or canceled: ask for it again. The last is None, too, without its extension.
     """
 
     goal_id: str
@@ -45,6 +48,9 @@ class GoalState(_Read):
     finished_at: datetime | None
     feedback_count: int
     last_event_id: str | None
+    tags: list[str] | None
+    notes: list[Document] | None
+    recording: Document | None
 
     @classmethod
     def read(cls, document: Mapping[str, Any]) -> Self:
@@ -53,6 +59,7 @@ class GoalState(_Read):
         error = document["error"]
         return super().read(
             {
+                **NOT_LOOKED_UP,
                 **document,
                 **{name: time and datetime.fromisoformat(time) for name, time in times.items()},
                 "status": STATUSES.get(document["status"], document["status"]),

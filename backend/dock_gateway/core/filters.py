@@ -6,7 +6,7 @@ from datetime import datetime
 from functools import cached_property
 
 from dock_gateway.core.event import Event
-from dock_gateway.core.goal import Goal, GoalStatus, Origin
+from dock_gateway.core.goal import Goal, GoalStatus, Origin, Verb
 from dock_gateway.core.grant import Grant
 
 
@@ -111,6 +111,7 @@ class GoalFilter:
         statuses: In one of these states; empty means any.
         error_codes: With one of these error codes; empty means any, also none.
         origin: Sent by a gateway or by another client; None means any.
+        verb: That dock or undock a robot; None means any.
         since: Created at this time or later; None means any time.
         until: Created before this time; None means any time.
         id_prefix: With an id that begins with this, in lower case.
@@ -125,6 +126,7 @@ class GoalFilter:
     statuses: frozenset[GoalStatus] = frozenset()
     error_codes: frozenset[str] = frozenset()
     origin: Origin | None = None
+    verb: Verb | None = None
     since: datetime | None = None
     until: datetime | None = None
     id_prefix: str = ""
@@ -145,6 +147,7 @@ class GoalFilter:
             and (not self.statuses or goal.status in self.statuses)
             and (not self.error_codes or (goal.error is not None and goal.error.code in self.error_codes))
             and self.origin in (None, goal.origin)
+            and self.verb in (None, goal.verb)
             and (self.since is None or goal.created_at >= self.since)
             and (self.until is None or goal.created_at < self.until)
             and goal.goal_id.startswith(self.id_prefix)

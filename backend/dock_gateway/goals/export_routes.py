@@ -2,19 +2,23 @@
 
 import asyncio
 from collections.abc import AsyncGenerator
+from typing import Any
 
 from fastapi import APIRouter, Request
 from starlette.responses import Response
 
 from dock_gateway.core.event import FEEDBACK, NEVER, STORED_KINDS, Event, utc_now
 from dock_gateway.core.goal import Goal, encode
-from dock_gateway.core.grant import Role
+from dock_gateway.core.grant import Grant, Role
+from dock_gateway.goals.goal_documents import GoalDocuments
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.queries import GoalFilterQuery
-from dock_gateway.goals.schema import ExportedGoal, TaggedGoal
+from dock_gateway.goals.schema import ExportedGoal
+from dock_gateway.goals.schema import Goal as GoalAnswer
 from dock_gateway.http.downloads import CSV, FormatQuery, download
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Part
+from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.requests import GoalId
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.http.sheets import GOAL_COLUMNS, FeedbackSheet, goal_row, rows_of
@@ -26,12 +30,15 @@ router = APIRouter(route_class=ApiRoute, tags=["Goals"], prefix="/goals")
 GOALS, EVENTS = 200, 500
 
 
-@router.get("/export", response_model=list[TaggedGoal], responses={200: {"description": "A file", "content": CSV}})
+@router.get("/export", response_model=list[GoalAnswer], responses={200: {"description": "A file", "content": CSV}})
 @operation(Role.VIEWER, Scope.LISTED, Audit.ALWAYS, errors=(429,))
 async def export_goals(
     request: Request,
     goals: Part[Goals],
+    *,
     history: Part[History],
+    documents: Part[GoalDocuments],
+    grant: TheGrant,
     wanted: GoalFilterQuery,
     format: FormatQuery = "json",  # noqa: A002
 ) -> Response:
@@ -39,7 +46,7 @@ async def export_goals(
 
     CSV has one row per goal, with its goal and result messages as JSON. JSON is one array.
     """
-    chunks = goals_as_csv(goals, history, wanted) if format == "csv" else goals_as_json(goals, wanted)
+    chunks = goals_as_csv(goals, history, wanted) if format == "csv" else goals_as_json(goals, documents, grant, wanted)
     return await download(request, chunks, f"goals-{utc_now():%Y%m%dT%H%M%SZ}", format)
 
 
@@ -51,7 +58,10 @@ async def export_goal(
     request: Request,
     goal_id: GoalId,
     goals: Part[Goals],
+    *,
     history: Part[History],
+    documents: Part[GoalDocuments],
+    grant: TheGrant,
     format: FormatQuery = "json",  # noqa: A002
 ) -> Response:
     """Download one goal.
@@ -59,7 +69,11 @@ async def export_goal(
     CSV has its feedback: one row per event, one column per field. JSON has the goal with its events.
     """
     goal = await goals.get(goal_id)
-    chunks = goal_as_csv(history, goal) if format == "csv" else goal_as_json(history, goal)
+    if format == "csv":
+        chunks = goal_as_csv(history, goal)
+    else:
+        (document,) = await documents.full([goal], grant)
+        chunks = goal_as_json(history, goal, document)
     return await download(request, chunks, f"goal-{goal_id}", format)
 
 
@@ -72,12 +86,14 @@ async def goals_as_csv(all_goals: Goals, history: History, wanted: GoalFilter) -
         head = []
 
 
-async def goals_as_json(all_goals: Goals, wanted: GoalFilter) -> AsyncGenerator[bytes]:
+async def goals_as_json(
+    all_goals: Goals, documents: GoalDocuments, grant: Grant, wanted: GoalFilter
+) -> AsyncGenerator[bytes]:
     """Yield one JSON array with one line per goal."""
     before = b"[\n"
     async for goals in pages(all_goals, wanted):
         if goals:
-            yield before + b",\n".join(map(encode, await all_goals.with_tags(goals)))
+            yield before + b",\n".join(map(encode, await documents.full(goals, grant)))
             before = b",\n"
     yield b"\n]\n" if before == b",\n" else b"[]\n"
 
@@ -94,11 +110,10 @@ async def goal_as_csv(history: History, goal: Goal) -> AsyncGenerator[bytes]:
         yield await asyncio.to_thread(sheet.rows, [event.data for event in events])
 
 
-async def goal_as_json(history: History, goal: Goal) -> AsyncGenerator[bytes]:
-    """Yield the goal with its tags, notes and `events`, and whether these are `complete`."""
-    notes = await history.notes.of(goal.goal_id)
+async def goal_as_json(history: History, goal: Goal, document: dict[str, Any]) -> AsyncGenerator[bytes]:
+    """Yield the document of a goal with its `events`, and whether these are `complete`."""
     complete = await history.knows_all_of(goal)
-    before = encode(goal.document() | vars(notes) | {"complete": complete})[:-1] + b',"events":[\n'
+    before = encode(document | {"complete": complete})[:-1] + b',"events":[\n'
     async for events in pieces(history, goal.goal_id, set(STORED_KINDS.values())):
         yield before + b",\n".join(event.data for event in events)
         before = b",\n"

@@ -1,47 +1,31 @@
-"""The paths of the API that have goals below them: which goals these are."""
+"""The path of a goal, `/goals/{goal_id}`, and its other spellings: below the paths where goals are sent."""
 
-from dataclasses import dataclass
-from typing import Self
+from collections.abc import Callable
+from typing import Any, TypeVar
 
-from dock_gateway.core.errors import NotFound
-from dock_gateway.core.goal import Goal, Verb
+from fastapi import APIRouter
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+GOAL = "/goals/{goal_id}"
+# Answered in the same way, with any goal, and not documented.
+SPELLINGS = ("/dock/{goal_id}", "/undock/{goal_id}", "/actions/{name:graph_name}/goals/{goal_id}")
 
 
-@dataclass(frozen=True)
-class GoalPath:
-    """A path that has goals below it. Every operation below a path judges the goal by that path.
+def at_goal(router: APIRouter, method: str, ending: str = "", **options: Any) -> Callable[[F], F]:
+    """Make a function a route of a goal.
 
-    Attributes:
-        path: The path. A goal is at this path followed by its id.
-        verb: What the goals do with their robot, if the path says that.
-        action: Absolute name of their action, if the path says that.
+    Args:
+        router: The router.
+        method: The method.
+        ending: What follows the path of the goal.
+        options: Those of the route.
     """
 
-    path: str
-    verb: Verb | None = None
-    action: str | None = None
+    def add(function: F) -> F:
+        router.add_api_route(f"{GOAL}{ending}", function, methods=[method], **options)
+        for path in SPELLINGS:
+            router.add_api_route(f"{path}{ending}", function, methods=[method], include_in_schema=False, **options)
+        return function
 
-    @classmethod
-    def of_verb(cls, verb: Verb) -> Self:
-        """Return `/dock` or `/undock`."""
-        return cls(f"/{verb}", verb=verb)
-
-    @classmethod
-    def of_action(cls, name: str) -> Self:
-        """Return the path of the goals of an action, from its name as it is in the path."""
-        return cls(f"/actions/{name}/goals", action=f"/{name}")
-
-    @classmethod
-    def of_all(cls) -> Self:
-        """Return the path of the goals of all actions."""
-        return cls("/goals")
-
-    def require(self, goal: Goal) -> None:
-        """Refuse a goal that is not below this path.
-
-        Raises:
-            NotFound: `goal_not_found`.
-        """
-        if self.verb not in {None, goal.verb} or self.action not in {None, goal.action_name}:
-            detail = f"goal {goal.goal_id} is on {goal.action_name}: see /goals/{goal.goal_id}"
-            raise NotFound(detail, code="goal_not_found")
+    return add

@@ -1,7 +1,7 @@
 """The goals of all actions: found and listed, whichever action they are on."""
 
 from contextlib import suppress
-from typing import Any, Protocol
+from typing import Protocol
 
 from dock_gateway.core.dock_adapters.catalog import ADAPTERS
 from dock_gateway.core.errors import FieldError, InvalidField, NotFound, Unavailable
@@ -87,8 +87,3 @@ class Goals:
         known = [*newest, *self._live.running()]
         goals = {goal.goal_id: goal for goal in known if event_filter.covers_goal(goal.goal_id, goal.action_name)}
         return sorted(goals.values(), key=lambda goal: goal.created_at, reverse=True)
-
-    async def with_tags(self, goals: list[Goal]) -> list[dict[str, Any]]:
-        """Return goals as JSON, with their tags."""
-        tags = await self._history.notes.tags_of([goal.goal_id for goal in goals])
-        return [goal.document() | {"tags": tags.get(goal.goal_id, ())} for goal in goals]

@@ -1,40 +1,54 @@
-"""`/goals`: the goals of every action."""
+"""`/goals`: the goals of every action, whoever sent them."""
 
-from typing import Annotated, Literal
+import uuid
+from typing import Annotated, Any, Literal
 
 import orjson
 from fastapi import APIRouter, Query
 
 from dock_gateway.core.event import KINDS, STORED_KINDS
-from dock_gateway.core.grant import Role
+from dock_gateway.core.grant import Grant, Role
+from dock_gateway.goals.goal_documents import GoalDocuments
+from dock_gateway.goals.goal_path import at_goal
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.queries import GoalFilterQuery
-from dock_gateway.goals.schema import ActionGoal, GoalHistory, TaggedGoalPage
+from dock_gateway.goals.schema import Goal, GoalHistory, GoalPage
 from dock_gateway.http.operation import Audit, Scope, operation
-from dock_gateway.http.parts import Part
+from dock_gateway.http.parts import AllParts, Part, Parts
+from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.queries import EVENT_ID
-from dock_gateway.http.requests import Answer, CursorQuery, GoalId, LimitQuery, goal_response, json_response
+from dock_gateway.http.requests import Answer, CursorQuery, GoalId, LimitQuery, json_response
 from dock_gateway.http.route import ApiRoute
-from dock_gateway.storage import History
+from dock_gateway.storage import GoalFilter, History
 
-router = APIRouter(route_class=ApiRoute, tags=["Goals"], prefix="/goals")
+router = APIRouter(route_class=ApiRoute, tags=["Goals"])
 
 
-@router.get("")
+@router.get("/goals")
 @operation(Role.VIEWER, Scope.LISTED, Audit.NEVER)
-async def list_all_goals(
-    goals: Part[Goals], wanted: GoalFilterQuery, limit: LimitQuery = 50, cursor: CursorQuery = None
-) -> Answer[TaggedGoalPage]:
-    """List the goals of all actions with their tags, newest first."""
-    page, next_cursor = await goals.page(wanted, limit, str(cursor) if cursor else None)
-    return json_response({"goals": await goals.with_tags(page), "next_cursor": next_cursor})
+async def list_goals(
+    parts: AllParts, grant: TheGrant, wanted: GoalFilterQuery, *, limit: LimitQuery = 50, cursor: CursorQuery = None
+) -> Answer[GoalPage]:
+    """List the goals of all actions, newest first."""
+    return await answer_page(parts, grant, wanted, limit, cursor)
 
 
-@router.get("/{goal_id}")
+async def answer_page(
+    parts: Parts, grant: Grant, wanted: GoalFilter, limit: int, cursor: uuid.UUID | None
+) -> Answer[Any]:
+    """Answer with a page of goals, newest first."""
+    page, next_cursor = await parts[Goals].page(wanted, limit, str(cursor) if cursor else None)
+    return json_response({"goals": await parts[GoalDocuments].full(page, grant), "next_cursor": next_cursor})
+
+
+@at_goal(router, "GET")
 @operation(Role.VIEWER, Scope.GOAL)
-async def get_any_goal(goal_id: GoalId, goals: Part[Goals]) -> Answer[ActionGoal]:
+async def get_goal(
+    goal_id: GoalId, goals: Part[Goals], documents: Part[GoalDocuments], grant: TheGrant
+) -> Answer[Goal]:
     """Return one goal, on any action."""
-    return goal_response(await goals.get(goal_id), f"/goals/{goal_id}")
+    (document,) = await documents.full([await goals.get(goal_id)], grant)
+    return json_response(document)
 
 
 TypeQuery = Annotated[
@@ -46,7 +60,7 @@ AfterQuery = Annotated[
 ]
 
 
-@router.get("/{goal_id}/history")
+@router.get("/goals/{goal_id}/history")
 @operation(Role.VIEWER, Scope.GOAL)
 async def goal_history(
     goal_id: GoalId,

@@ -1,14 +1,16 @@
-"""`/goals/{goal_id}/notes` and `/tags`: what people write about a goal."""
+"""`/goals/{goal_id}/notes` and `/tags`: what people write about a goal, which `/goals/{goal_id}` has."""
 
 import uuid
 from datetime import UTC, datetime
 from typing import Annotated
 
 from fastapi import APIRouter, Path
+from starlette.responses import Response
 
 from dock_gateway.core.grant import Role
 from dock_gateway.goals.goals import Goals
-from dock_gateway.goals.schema import GoalNotes, NoteBody, Tags, TagsBody
+from dock_gateway.goals.schema import Note as NoteAnswer
+from dock_gateway.goals.schema import NoteBody, Tags, TagsBody
 from dock_gateway.http.bodies import Body, SignedBody
 from dock_gateway.http.openapi import UNSTABLE
 from dock_gateway.http.operation import Scope, operation
@@ -29,40 +31,33 @@ async def list_tags(history: Part[History]) -> Answer[Tags]:
     return json_response({"tags": await history.notes.all_tags()})
 
 
-@router.get("/{goal_id}/notes")
-@operation(Role.VIEWER, Scope.GOAL)
-async def list_notes(goal_id: GoalId, goals: Part[Goals], history: Part[History]) -> Answer[GoalNotes]:
-    """Return the tags and notes of a goal."""
-    await goals.get(goal_id)
-    return json_response(await history.notes.of(goal_id))
-
-
 @router.post("/{goal_id}/notes", status_code=201)
 @operation(Role.OPERATOR, Scope.GOAL, errors=(409,))
 async def add_note(
     goal_id: GoalId, body: SignedBody[NoteBody], goals: Part[Goals], history: Part[History]
-) -> Answer[GoalNotes]:
-    """Add a note to a goal, which may have 100."""
+) -> Answer[NoteAnswer]:
+    """Add a note to a goal, which may have 100. Returns the note."""
     await goals.get(goal_id)
     note = Note(uuid.uuid4().hex, body.by, datetime.now(UTC), body.text)
-    return json_response(await history.notes.add(goal_id, note), 201)
+    await history.notes.add(goal_id, note)
+    return json_response(note, 201)
 
 
-@router.delete("/{goal_id}/notes/{note_id}")
+@router.delete("/{goal_id}/notes/{note_id}", status_code=204)
 @operation(Role.OPERATOR, Scope.GOAL)
-async def delete_note(
-    goal_id: GoalId, note_id: NoteId, goals: Part[Goals], history: Part[History]
-) -> Answer[GoalNotes]:
+async def delete_note(goal_id: GoalId, note_id: NoteId, goals: Part[Goals], history: Part[History]) -> Response:
     """Delete a note of a goal."""
     await goals.get(goal_id)
-    return json_response(await history.notes.remove(goal_id, note_id))
+    await history.notes.remove(goal_id, note_id)
+    return Response(status_code=204)
 
 
 @router.put("/{goal_id}/tags")
 @operation(Role.OPERATOR, Scope.GOAL)
 async def replace_tags(
     goal_id: GoalId, body: Body[TagsBody], goals: Part[Goals], history: Part[History]
-) -> Answer[GoalNotes]:
-    """Replace the tags of a goal."""
+) -> Answer[Tags]:
+    """Replace the tags of a goal. Returns them in alphabetical order."""
     await goals.get(goal_id)
-    return json_response(await history.notes.replace_tags(goal_id, body.tags))
+    await history.notes.replace_tags(goal_id, body.tags)
+    return json_response({"tags": sorted(body.tags)})

@@ -10,6 +10,7 @@ from dock_gateway.core.tasks import PendingFacts, closed_by
 from dock_gateway.goals.approvals import Approvals
 from dock_gateway.goals.docking_hints import DockingHints
 from dock_gateway.goals.docks import Docks
+from dock_gateway.goals.goal_documents import GoalDocuments
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.limits import GoalLimits
 from dock_gateway.goals.registry import ActionRegistry
@@ -50,6 +51,7 @@ async def open_goals(parts: Parts, stack: AsyncExitStack) -> None:
     parts.add(ActionRegistry, closed_by(stack, actions))
     history.on_loss = lambda: store_unfinished(actions, history)
     parts.add(Goals, Goals(actions, robot_actions, history))
+    parts.add(GoalDocuments, GoalDocuments(history))
     parts.add(Docks, closed_by(stack, Docks(bridge)))
     parts.add(DockingHints, DockingHints(settings, actions, robots))
     _follow_docking(parts)

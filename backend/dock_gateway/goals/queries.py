@@ -1,12 +1,13 @@
 """Query parameters that select goals: `?robot= ?status= …`."""
 
 import re
+from dataclasses import replace
 from typing import Annotated
 
 from fastapi import Depends, Query
 from pydantic import AfterValidator, StringConstraints
 
-from dock_gateway.core.goal import Origin
+from dock_gateway.core.goal import Origin, Verb
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.parts import Part
@@ -95,4 +96,13 @@ async def read_goal_filter(
     )
 
 
-GoalFilterQuery = Annotated[GoalFilter, Depends(read_goal_filter)]
+# The goals of some robots, and of those the ones that dock or undock.
+AnyVerbQuery = Annotated[GoalFilter, Depends(read_goal_filter)]
+VerbQuery = Annotated[Verb | None, Query(description="Only goals that dock, or that undock")]
+
+
+async def _of_verb(wanted: AnyVerbQuery, verb: VerbQuery = None) -> GoalFilter:
+    return replace(wanted, verb=verb)
+
+
+GoalFilterQuery = Annotated[GoalFilter, Depends(_of_verb)]

@@ -72,43 +72,36 @@ class GoalSummary(GoalState):
     goal: DockGoalMessage | None
 
 
-class ActionGoal(GoalState):
-    """A goal on any action; goal, feedback and result hold the fields of the action's messages."""
+class LiveGoal(GoalState):
+    """A goal on any action, as streams send it; goal, feedback and result hold the fields of the action's messages."""
 
     goal: dict[str, Any] | None
     feedback: dict[str, Any] | None
     result: dict[str, Any] | None
 
 
-class TaggedGoal(ActionGoal):
-    """A goal on any action, with its tags in alphabetical order."""
+class Note(Schema):
+    """A note on a goal."""
 
-    tags: list[str]
-
-
-class TaggedGoalPage(Schema):
-    """Goals on any action with their tags, newest first."""
-
-    goals: list[TaggedGoal]
-    next_cursor: str | None
+    note_id: str
+    by: str
+    at: datetime
+    text: str
 
 
-class ActionGoalPage(Schema):
-    """Goals on any action, newest first."""
+class Goal(LiveGoal):
+    """A goal on any action, with its tags in alphabetical order, and its notes, oldest first.
 
-    goals: list[ActionGoal]
-    next_cursor: str | None
+    These and what extensions know of it are null in answers to `POST`, which do not look them up. Tags and notes are
+    null, too, while the history does not answer.
+    """
 
-
-class Goal(GoalSummary):
-    """A goal of docking or undocking."""
-
-    feedback: DockFeedbackMessage | None
-    result: DockResultMessage | None
+    tags: list[str] | None
+    notes: list[Note] | None
 
 
 class GoalPage(Schema):
-    """Goals, newest first."""
+    """Goals on any action, newest first."""
 
     goals: list[Goal]
     next_cursor: str | None
@@ -212,31 +205,14 @@ class TagsBody(Schema):
     tags: Annotated[tuple[TagName, ...], Field(max_length=10), Unique]
 
 
-class Note(Schema):
-    """A note on a goal."""
-
-    note_id: str
-    by: str
-    at: datetime
-    text: str
-
-
-class GoalNotes(Schema):
-    """The tags of a goal in alphabetical order, and its notes, oldest first."""
-
-    tags: list[str]
-    notes: list[Note]
-
-
 class Tags(Schema):
-    """The tags of all goals, in alphabetical order."""
+    """The tags of a goal, or of all goals, in alphabetical order."""
 
     tags: list[str]
 
 
-class ExportedGoal(TaggedGoal):
-    """A goal with its notes and events, oldest first; `complete` is false if events are missing."""
+class ExportedGoal(Goal):
+    """A goal with its events, oldest first; `complete` is false if events are missing."""
 
-    notes: list[Note]
     complete: bool
     events: list[StoredEvent]

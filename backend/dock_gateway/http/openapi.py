@@ -26,6 +26,7 @@ REF = f"{COMPONENTS}{{model}}"
 
 Models = Sequence[type[BaseModel]]
 NO_VALUES: Mapping[str, Sequence[str]] = {}
+NO_FIELDS: Mapping[str, Mapping[str, type[BaseModel]]] = {}
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,7 @@ def install_openapi(
     messages: Callable[[], dict[str, Any]] = dict,
     values: Mapping[str, Sequence[str]] = NO_VALUES,
     codes: Sequence[ErrorCode] = (),
+    fields: Mapping[str, Mapping[str, type[BaseModel]]] = NO_FIELDS,
 ) -> None:
     """Make the app serve its OpenAPI document with our schemas in it.
 
@@ -69,7 +71,9 @@ def install_openapi(
         messages: Returns the schemas of ROS messages, by name.
         values: Further values of enumerations, by the name of the component.
         codes: All error codes: `x-codes` of the schema `Problem`.
+        fields: Further fields of components, by the name of the component: the model of each, which may be null.
     """
+    models = [*models, *(model for added in fields.values() for model in added.values())]
     components = [*unions]
 
     def openapi() -> dict[str, Any]:
@@ -78,6 +82,8 @@ def install_openapi(
             for name, further in values.items():
                 document["components"]["schemas"][name]["enum"] += further
             document["components"]["schemas"]["Problem"]["x-codes"] = [code.document() for code in codes]
+            for name, added in fields.items():
+                _add_fields(document["components"]["schemas"][name], added)
             app.openapi_schema = document
         return app.openapi_schema
 
@@ -134,6 +140,12 @@ def _build(
     document["components"]["schemas"] = dict(sorted(schemas.items()))
     _open_answers(document, unions)
     return document
+
+
+def _add_fields(schema: dict[str, Any], fields: Mapping[str, type[BaseModel]]) -> None:
+    for name, model in fields.items():
+        schema["properties"][name] = {"anyOf": [{"$ref": REF.format(model=model.__name__)}, {"type": "null"}]}
+        schema["required"].append(name)
 
 
 def _open_answers(document: dict[str, Any], unions: Iterable[Union]) -> None:

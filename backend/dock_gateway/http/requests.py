@@ -14,7 +14,7 @@ from starlette.requests import ClientDisconnect, HTTPConnection
 from starlette.responses import Response
 
 from dock_gateway.core.errors import FieldError, InvalidField, MalformedRequest, Place, got
-from dock_gateway.core.goal import Goal, GoalStatus, encode
+from dock_gateway.core.goal import GoalStatus, encode
 from dock_gateway.core.json_text import decode_json
 from dock_gateway.core.namespace import NAMESPACE
 from dock_gateway.http.parts import parts_of
@@ -265,11 +265,6 @@ def is_known_tag(condition: str | None, tag: str) -> bool:
     """Whether `If-None-Match` names the tag (RFC 9110, section 13.1.2)."""
     known = [part.strip().removeprefix("W/") for part in (condition or "").split(",")]
     return tag in known or known == ["*"]
-
-
-def goal_response(goal: Goal, location: str, status: int = 200) -> Answer[Any]:
-    """Return a response with a goal, and its path as `Location`."""
-    return json_response(goal.document(), status, {"Location": location})
 
 
 def read_goal_id(goal_id: str, place: Place = "query") -> str:

@@ -29,8 +29,8 @@ class Note:
 class GoalNotes:
     """The tags of a goal, sorted, and its notes, oldest first."""
 
-    tags: tuple[str, ...]
-    notes: tuple[Note, ...]
+    tags: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
 
 
 class Notes:
@@ -48,9 +48,9 @@ class Notes:
         self._reader = reader
         self._writer = writer
 
-    async def of(self, goal_id: str) -> GoalNotes:
-        """Return the notes and tags of a goal."""
-        return await self._reader.read(_notes_of, goal_id)
+    async def of(self, goal_ids: Collection[str]) -> dict[str, GoalNotes]:
+        """Return the notes and tags of those of the goals that have any."""
+        return await self._reader.read(_notes_of, goal_ids)
 
     async def tags_of(self, goal_ids: Collection[str]) -> dict[str, tuple[str, ...]]:
         """Return the tags of those of the goals that have any, sorted."""
@@ -60,25 +60,25 @@ class Notes:
         """Return the tags of all goals, sorted."""
         return await self._reader.read(_all_tags)
 
-    async def add(self, goal_id: str, note: Note) -> GoalNotes:
-        """Store a note; return what the goal has then.
+    async def add(self, goal_id: str, note: Note) -> None:
+        """Store a note.
 
         Raises:
             Conflict: The goal has too many notes (`limit_reached`).
         """
-        return await self._writer.write(_add, goal_id, note)
+        await self._writer.write(_add, goal_id, note)
 
-    async def remove(self, goal_id: str, note_id: str) -> GoalNotes:
-        """Delete a note; return what the goal has then.
+    async def remove(self, goal_id: str, note_id: str) -> None:
+        """Delete a note.
 
         Raises:
             NotFound: The goal has no such note (`note_not_found`).
         """
-        return await self._writer.write(_remove, goal_id, note_id)
+        await self._writer.write(_remove, goal_id, note_id)
 
-    async def replace_tags(self, goal_id: str, tags: Collection[str]) -> GoalNotes:
-        """Store the tags of a goal; return what it has then."""
-        return await self._writer.write(_replace_tags, goal_id, tags)
+    async def replace_tags(self, goal_id: str, tags: Collection[str]) -> None:
+        """Store the tags of a goal."""
+        await self._writer.write(_replace_tags, goal_id, tags)
 
 
 def delete_of(connection: sa.Connection, goal_ids: Collection[str]) -> None:
@@ -87,11 +87,17 @@ def delete_of(connection: sa.Connection, goal_ids: Collection[str]) -> None:
         connection.execute(sa.delete(table).where(table.c.goal_id.in_(list(goal_ids))))
 
 
-def _notes_of(connection: sa.Connection, goal_id: str) -> GoalNotes:
-    query = sa.select(goal_notes.c.note_id, goal_notes.c.author, goal_notes.c.written_at, goal_notes.c.text)
-    query = query.where(goal_notes.c.goal_id == goal_id).order_by(goal_notes.c.written_at, goal_notes.c.note_id)
-    notes = tuple(Note(*row) for row in connection.execute(query))
-    return GoalNotes(_tags_of(connection, [goal_id]).get(goal_id, ()), notes)
+def _notes_of(connection: sa.Connection, goal_ids: Collection[str]) -> dict[str, GoalNotes]:
+    query = sa.select(
+        goal_notes.c.goal_id, goal_notes.c.note_id, goal_notes.c.author, goal_notes.c.written_at, goal_notes.c.text
+    )
+    query = query.where(goal_notes.c.goal_id.in_(list(goal_ids)))
+    query = query.order_by(goal_notes.c.written_at, goal_notes.c.note_id)
+    notes: dict[str, list[Note]] = {}
+    for goal_id, *note in connection.execute(query):
+        notes.setdefault(goal_id, []).append(Note(*note))
+    tags = _tags_of(connection, goal_ids)
+    return {goal_id: GoalNotes(tags.get(goal_id, ()), tuple(notes.get(goal_id, ()))) for goal_id in {*tags, *notes}}
 
 
 def _tags_of(connection: sa.Connection, goal_ids: Collection[str]) -> dict[str, tuple[str, ...]]:
@@ -107,27 +113,24 @@ def _all_tags(connection: sa.Connection) -> list[str]:
     return list(connection.scalars(query))
 
 
-def _add(connection: sa.Connection, goal_id: str, note: Note) -> GoalNotes:
+def _add(connection: sa.Connection, goal_id: str, note: Note) -> None:
     _lock(connection, goal_id)
     query = sa.select(sa.func.count()).where(goal_notes.c.goal_id == goal_id)
     _require_room(connection.scalar(query) or 0)
     row = {"note_id": note.note_id, "author": note.by, "written_at": note.at, "text": note.text}
     connection.execute(sa.insert(goal_notes), row | {"goal_id": goal_id})
-    return _notes_of(connection, goal_id)
 
 
-def _remove(connection: sa.Connection, goal_id: str, note_id: str) -> GoalNotes:
+def _remove(connection: sa.Connection, goal_id: str, note_id: str) -> None:
     it = goal_notes.c.note_id == note_id, goal_notes.c.goal_id == goal_id
     _require_removed(connection.execute(sa.delete(goal_notes).where(*it)).rowcount, note_id)
-    return _notes_of(connection, goal_id)
 
 
-def _replace_tags(connection: sa.Connection, goal_id: str, tags: Collection[str]) -> GoalNotes:
+def _replace_tags(connection: sa.Connection, goal_id: str, tags: Collection[str]) -> None:
     _lock(connection, goal_id)
     connection.execute(sa.delete(goal_tags).where(goal_tags.c.goal_id == goal_id))
     if tags:
         connection.execute(sa.insert(goal_tags), [{"goal_id": goal_id, "tag": tag} for tag in sorted(tags)])
-    return _notes_of(connection, goal_id)
 
 
 def _lock(connection: sa.Connection, goal_id: str) -> None:

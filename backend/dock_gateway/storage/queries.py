@@ -157,6 +157,8 @@ def conditions(wanted: GoalFilter) -> "list[sa.ColumnElement[bool]]":
         found.append(goals.c.error_code.in_(sorted(wanted.error_codes)))
     if wanted.origin is not None:
         found.append(goals.c.origin == wanted.origin)
+    if wanted.verb is not None:
+        found.append(goals.c.verb == wanted.verb)
     if wanted.since is not None:
         found.append(goals.c.created_at >= wanted.since)
     if wanted.until is not None:

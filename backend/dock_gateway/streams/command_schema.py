@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, WithJsonSchema, WrapValidator
 
 from dock_gateway.core.goal import Verb
-from dock_gateway.goals.schema import ActionGoal
+from dock_gateway.goals.schema import LiveGoal
 from dock_gateway.http.schema import Schema
 from dock_gateway.operations.battery import MAX_RATE, MIN_RATE
 from dock_gateway.robots.schema import BatteryState, BatteryStateInput, Publisher
@@ -139,7 +139,7 @@ class Ack(Schema):
 class GoalAck(Ack):
     """The answer to `send_goal` and `cancel_goal`."""
 
-    goal: ActionGoal
+    goal: LiveGoal
 
 
 class PublisherAck(Ack):

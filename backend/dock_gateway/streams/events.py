@@ -2,8 +2,8 @@
 
 import asyncio
 import logging
-from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable, Coroutine
-from typing import Annotated, Any
+from collections.abc import AsyncGenerator, AsyncIterator, Coroutine
+from typing import Any
 
 from fastapi import APIRouter, Depends, Request, WebSocket
 from starlette.responses import Response, StreamingResponse
@@ -15,13 +15,13 @@ from dock_gateway.core.event import Event
 from dock_gateway.core.fanout import Subscriber
 from dock_gateway.core.grant import Role
 from dock_gateway.core.tasks import cancel
-from dock_gateway.goals.goal_path import GoalPath
+from dock_gateway.goals.goal_path import at_goal
 from dock_gateway.goals.goals import Goals
 from dock_gateway.http.edge.websocket import frame_writer
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import AllParts, Parts
 from dock_gateway.http.principal import TICKET, principal_of
-from dock_gateway.http.requests import GoalId, GraphName, known_query
+from dock_gateway.http.requests import GoalId, known_query
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.http.slow_clients import PacedResponse, send_in_time
 from dock_gateway.settings import Settings
@@ -103,48 +103,17 @@ class EventStream(PacedResponse):
         super().__init__(first, chunks, timeout, media_type="text/event-stream", headers={"X-Accel-Buffering": "no"})
 
 
-async def _at_dock() -> GoalPath:
-    return GoalPath.of_verb("dock")
-
-
-async def _at_undock() -> GoalPath:
-    return GoalPath.of_verb("undock")
-
-
-async def _of_action(name: GraphName) -> GoalPath:
-    return GoalPath.of_action(name)
-
-
-async def _anywhere() -> GoalPath:
-    return GoalPath.of_all()
-
-
-def _add_events(path: str, name: str, goal_path: Callable[..., Awaitable[GoalPath]]) -> None:
-    """Add the stream of a goal below a path."""
-
-    @router.get(f"{path}/{{goal_id}}/events", name=name, responses=SSE, response_class=StreamingResponse)
-    @operation(Role.VIEWER, Scope.GOAL, errors=(429,))
-    async def events(
-        place: Annotated[GoalPath, Depends(goal_path)],
-        goal_id: GoalId,
-        request: Request,
-        parts: AllParts,
-        query: StreamQuery,
-    ) -> Response:
-        """Stream the events of a goal as Server-Sent Events until it ends. `Last-Event-ID` resumes."""
-        last = request.headers.get("last-event-id")
-        after = read_after(query if last is None else {"after": last})
-        principal, max_rate = principal_of(request), read_max_rate(query)
-        place.require(await parts[Goals].get(goal_id, principal.grant))
-        chunks = _sse_chunks(parts, principal, {**query, "goal_id": goal_id}, after, max_rate)
-        first = await anext(chunks)  # errors are raised before the stream begins
-        return EventStream(first, chunks, parts[Settings].subscriber_timeout)
-
-
-_add_events("/dock", "dock_events", _at_dock)
-_add_events("/undock", "undock_events", _at_undock)
-_add_events("/goals", "goal_events", _anywhere)
-_add_events("/actions/{name:graph_name}/goals", "action_events", _of_action)
+@at_goal(router, "GET", "/events", responses=SSE, response_class=StreamingResponse)
+@operation(Role.VIEWER, Scope.GOAL, errors=(429,))
+async def goal_events(goal_id: GoalId, request: Request, parts: AllParts, query: StreamQuery) -> Response:
+    """Stream the events of a goal as Server-Sent Events until it ends. `Last-Event-ID` resumes."""
+    last = request.headers.get("last-event-id")
+    after = read_after(query if last is None else {"after": last})
+    principal, max_rate = principal_of(request), read_max_rate(query)
+    await parts[Goals].get(goal_id, principal.grant)
+    chunks = _sse_chunks(parts, principal, {**query, "goal_id": goal_id}, after, max_rate)
+    first = await anext(chunks)  # errors are raised before the stream begins
+    return EventStream(first, chunks, parts[Settings].subscriber_timeout)
 
 
 async def _sse_chunks(

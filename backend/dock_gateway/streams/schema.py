@@ -9,7 +9,7 @@ from dock_gateway.core.goal import GoalStatus
 from dock_gateway.fleet.schema import Alert, Robot
 from dock_gateway.goals.action_schema import ActionServer
 from dock_gateway.goals.approval_schema import Approval
-from dock_gateway.goals.schema import ActionGoal, DockFeedbackMessage, DockResultMessage, Goal, GoalError, GoalSummary
+from dock_gateway.goals.schema import DockFeedbackMessage, DockResultMessage, GoalError, GoalSummary, LiveGoal
 from dock_gateway.http.schema import Schema
 from dock_gateway.robots.schema import Battery, BatteryState, Implausible, Publisher, Scene, Simulator
 from dock_gateway.stop.schema import StopState
@@ -37,7 +37,7 @@ class SnapshotEvent(Schema):
 
     type: Literal["snapshot"]
     time: datetime
-    goals: list[Goal | ActionGoal]
+    goals: list[LiveGoal]
     battery: Battery
     battery_publisher: Publisher
     stop: StopState

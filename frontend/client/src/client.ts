@@ -3,7 +3,7 @@ import { GoalHandle } from "./goal.ts";
 import { actionPath, createHttp, deadline, type Http, newKey, settle, TIMEOUT_MS } from "./http.ts";
 import type { paths } from "./schema.gen.ts";
 import { EventStream } from "./stream.ts";
-import type { AnyGoal, Battery, GatewayEvent, Robot, StopReport } from "./types.ts";
+import type { Battery, GatewayEvent, Goal, Robot, StopReport } from "./types.ts";
 
 type Body<Path extends "/dock" | "/undock"> = NonNullable<
   paths[Path]["post"]["requestBody"]
@@ -251,8 +251,8 @@ export class Client {
     }
   }
 
-  async #send(send: () => Parameters<typeof settle<AnyGoal>>[0]): Promise<GoalHandle> {
-    return new GoalHandle(this, await this.repeat(() => settle<AnyGoal>(send()), APPROVAL_MS));
+  async #send(send: () => Parameters<typeof settle<Goal>>[0]): Promise<GoalHandle> {
+    return new GoalHandle(this, await this.repeat(() => settle<Goal>(send()), APPROVAL_MS));
   }
 
   /** Opens a stream without a header, which a browser cannot send. Says why if the gateway would refuse the stream. */

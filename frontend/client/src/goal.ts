@@ -1,7 +1,7 @@
 import type { Client, EventQuery } from "./client.ts";
 import { ClientError } from "./errors.ts";
 import { deadline, settle } from "./http.ts";
-import type { AnyGoal, GatewayEvent, GoalStatus } from "./types.ts";
+import type { GatewayEvent, Goal, GoalStatus, LiveGoal } from "./types.ts";
 
 const FINAL: ReadonlySet<GoalStatus> = new Set(["succeeded", "canceled", "aborted", "rejected"]);
 
@@ -16,7 +16,7 @@ export function isTerminal(status: GoalStatus): boolean {
 }
 
 /** The same for a goal, also in a state that only a newer gateway has. */
-function hasEnded(goal: AnyGoal): boolean {
+function hasEnded(goal: LiveGoal): boolean {
   return goal.finished_at !== null;
 }
 
@@ -24,7 +24,7 @@ function hasEnded(goal: AnyGoal): boolean {
 export class GoalFailed extends ClientError {
   override readonly name = "GoalFailed";
 
-  constructor(readonly state: AnyGoal) {
+  constructor(readonly state: Goal) {
     super(
       state.error?.code ?? state.status,
       `The goal was ${state.status}`,
@@ -40,7 +40,7 @@ export class GoalHandle {
   constructor(
     client: Client,
     /** As the gateway last answered; `refresh` asks again. */
-    public state: AnyGoal,
+    public state: Goal,
   ) {
     this.#client = client;
   }
@@ -74,31 +74,31 @@ export class GoalHandle {
   }
 
   /** Waits until the goal ends, and returns how. */
-  async wait(signal?: AbortSignal): Promise<AnyGoal> {
+  async wait(signal?: AbortSignal): Promise<Goal> {
     if (hasEnded(this.state)) return this.state;
     for await (const _ of this.events({ feedback: false }, signal));
     return this.refresh();
   }
 
   /** Waits until the goal has succeeded, and returns its state with the result. Throws GoalFailed if it ended otherwise. */
-  async result(signal?: AbortSignal): Promise<AnyGoal> {
+  async result(signal?: AbortSignal): Promise<Goal> {
     const state = await this.wait(signal);
     if (state.status !== "succeeded") throw new GoalFailed(state);
     return state;
   }
 
   /** Asks the action server to cancel the goal. `wait` returns when it has ended. */
-  async cancel(): Promise<AnyGoal> {
+  async cancel(): Promise<Goal> {
     const { http } = this.#client;
     const path = { goal_id: this.id };
     this.state = await this.#client.repeat(() =>
-      settle<AnyGoal>(http.POST("/goals/{goal_id}/cancel", { params: { path }, signal: deadline() })),
+      settle<Goal>(http.POST("/goals/{goal_id}/cancel", { params: { path }, signal: deadline() })),
     );
     return this.state;
   }
 
   /** Asks the gateway for the state. */
-  async refresh(): Promise<AnyGoal> {
+  async refresh(): Promise<Goal> {
     this.state = (await this.#client.goal(this.id)).state;
     return this.state;
   }

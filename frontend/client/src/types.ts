@@ -2,12 +2,13 @@ import type { components } from "./schema.gen.ts";
 
 type Schemas = components["schemas"];
 
+/** A goal on any action, with what is known of it: its messages have whatever fields the action's type has. */
 export type Goal = Schemas["Goal"];
-/** A goal on any action: its messages have whatever fields the action's type has. */
-export type AnyGoal = Schemas["ActionGoal"];
-export type AnyGoalPage = Schemas["TaggedGoalPage"];
-/** A goal of a list; one that only the stream has sent has no tags yet. */
-export type ListedGoal = AnyGoal & Partial<Pick<Schemas["TaggedGoal"], "tags">>;
+export type GoalPage = Schemas["GoalPage"];
+/** A goal as streams send it: without tags, notes, and what extensions know of it. */
+export type LiveGoal = Schemas["LiveGoal"];
+/** A goal of a list; of one that only the stream has sent, these are not known yet. */
+export type ListedGoal = LiveGoal & Partial<Omit<Goal, keyof LiveGoal>>;
 export type ActionInfo = Schemas["ActionInfo"];
 export type GoalHistory = Schemas["GoalHistory"];
 /** What a goal's history is made of. */
@@ -16,7 +17,7 @@ export type GoalEvent = GoalHistory["events"][number];
 export type Pose = Schemas["Pose"];
 export type PoseEvent = Schemas["PoseEvent"];
 /** The two things that a robot's docking actions do, each an action with its own goals. */
-export type Verb = NonNullable<AnyGoal["verb"]>;
+export type Verb = NonNullable<Goal["verb"]>;
 export type GoalStatus = Schemas["GoalStatus"];
 export type GoalError = Schemas["GoalError"];
 export type Battery = Schemas["Battery"];

@@ -1,4 +1,4 @@
-import { type ActionInfo, type AnyGoal, type Goal, isTerminal } from "@dock-gateway/client";
+import { type ActionInfo, isTerminal, type LiveGoal } from "@dock-gateway/client";
 import { Alert, Anchor, Group, Skeleton, Stack, Text, Title } from "@mantine/core";
 import { useMemo, useRef, useState } from "react";
 import { Link, useParams } from "react-router";
@@ -93,8 +93,8 @@ function WithForm({ action, schemas }: { action: ActionInfo; schemas: ActionSche
           action={action}
           shape={shape}
           draft={draft}
-          onSent={(goal: AnyGoal) => {
-            store.addGoals([goal as Goal]);
+          onSent={(goal: LiveGoal) => {
+            store.addGoals([goal as LiveGoal]);
             setSent(goal.goal_id);
           }}
         />

@@ -1,4 +1,4 @@
-import { type ActionInfo, actionPath, type Goal, isTerminal } from "@dock-gateway/client";
+import { type ActionInfo, actionPath, isTerminal, type LiveGoal } from "@dock-gateway/client";
 import { Anchor, Badge, Table, Text } from "@mantine/core";
 import { useMemo } from "react";
 import { Link } from "react-router";
@@ -38,7 +38,7 @@ export function ActionsTable({ actions }: { actions: readonly ActionInfo[] }) {
   );
 }
 
-function ActionRow({ action, goals }: { action: ActionInfo; goals: readonly Goal[] }) {
+function ActionRow({ action, goals }: { action: ActionInfo; goals: readonly LiveGoal[] }) {
   const live = useFleetLive();
   const running = goals.filter((goal) => !isTerminal(goal.status)).length;
   const newest = goals[0];
@@ -80,8 +80,8 @@ function ActionRow({ action, goals }: { action: ActionInfo; goals: readonly Goal
 }
 
 /** Newest first. */
-function groupByAction(goals: ReadonlyMap<string, Goal>): ReadonlyMap<string, Goal[]> {
-  const groups = new Map<string, Goal[]>();
+function groupByAction(goals: ReadonlyMap<string, LiveGoal>): ReadonlyMap<string, LiveGoal[]> {
+  const groups = new Map<string, LiveGoal[]>();
   for (const goal of newestFirst(goals)) {
     const group = groups.get(goal.action_name);
     if (group === undefined) groups.set(goal.action_name, [goal]);

@@ -1,4 +1,4 @@
-import type { ActionInfo, AnyGoal } from "@dock-gateway/client";
+import type { ActionInfo, LiveGoal } from "@dock-gateway/client";
 import { Anchor, Button, Checkbox, Code, Group, Stack, Text } from "@mantine/core";
 import { useLocalStorage } from "@mantine/hooks";
 import { type FormEvent, useCallback, useId, useState } from "react";
@@ -22,7 +22,7 @@ interface GoalFormProps {
   shape: MessageShape;
   /** The draft, so that a goal of the past can be filled in. */
   draft: ReturnType<typeof useDraft>;
-  onSent: (goal: AnyGoal) => void;
+  onSent: (goal: LiveGoal) => void;
 }
 
 /** A goal to fill in, as a form or as JSON, and to send. */
@@ -132,7 +132,7 @@ function notSent(wrong: number): string {
 }
 
 /** What became of the goal that was sent from here. */
-function SentLine({ goal }: { goal: AnyGoal | null }) {
+function SentLine({ goal }: { goal: LiveGoal | null }) {
   if (goal === null) return null;
   return (
     <span data-testid="sent">

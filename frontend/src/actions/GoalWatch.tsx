@@ -1,4 +1,4 @@
-import { type AnyGoal, type Goal, isTerminal } from "@dock-gateway/client";
+import { isTerminal, type LiveGoal } from "@dock-gateway/client";
 import { Anchor, Badge, Group, Text } from "@mantine/core";
 import { useEffect, useState, useSyncExternalStore } from "react";
 import { Link } from "react-router";
@@ -79,11 +79,11 @@ export function GoalWatch({ goalId, schemas }: { goalId: string | null; schemas:
   );
 }
 
-function Cancel({ goal }: { goal: AnyGoal }) {
+function Cancel({ goal }: { goal: LiveGoal }) {
   const { http, store } = useFleet();
   const live = useFleetLive();
   const cancel = useCommand(async () =>
-    store.addGoals([(await createGoalsApi(http).cancel(goal.goal_id)) as Goal]),
+    store.addGoals([(await createGoalsApi(http).cancel(goal.goal_id)) as LiveGoal]),
   );
   const reason = whyNotCancel(live, goal, cancel.isPending);
   return (
@@ -98,7 +98,7 @@ function Cancel({ goal }: { goal: AnyGoal }) {
   );
 }
 
-function Messages({ goal, schemas }: { goal: AnyGoal; schemas: ActionSchemas }) {
+function Messages({ goal, schemas }: { goal: LiveGoal; schemas: ActionSchemas }) {
   const ended = isTerminal(goal.status);
   if (ended && goal.result !== null) {
     return <MessageView title="Result" message={goal.result} schema={schemas.result} growing={false} />;
@@ -121,7 +121,7 @@ function Messages({ goal, schemas }: { goal: AnyGoal; schemas: ActionSchemas }) 
 }
 
 interface Followed {
-  goal: AnyGoal | null;
+  goal: LiveGoal | null;
   /** When its latest feedback messages came (ms), oldest first. */
   arrivals: readonly number[];
 }
@@ -147,7 +147,7 @@ function useGoal(goalId: string | null): Followed {
   const fleet = useFleetTopic("goals");
   if (goalId === null) return { goal: null, arrivals: [] };
   return {
-    goal: (goals?.get(goalId) ?? fleet.get(goalId) ?? null) as AnyGoal | null,
+    goal: (goals?.get(goalId) ?? fleet.get(goalId) ?? null) as LiveGoal | null,
     arrivals: store?.get("arrivals").get(goalId) ?? [],
   };
 }

@@ -1,4 +1,4 @@
-import type { AnyGoal, Goal } from "@dock-gateway/client";
+import type { LiveGoal } from "@dock-gateway/client";
 import { Anchor, Button, Table, Text, VisuallyHidden } from "@mantine/core";
 import { useEffect, useMemo } from "react";
 import { Link } from "react-router";
@@ -16,7 +16,7 @@ import type { MessageShape } from "./form/shapes";
 const SHOWN = 10;
 
 /** The goals of an action that are known, newest first; asks the gateway for those that the snapshot leaves out. */
-export function useGoalsOf(action: string): AnyGoal[] {
+export function useGoalsOf(action: string): LiveGoal[] {
   const { store } = useFleet();
   const api = useActionsApi();
   const live = useFleetLive();
@@ -26,20 +26,20 @@ export function useGoalsOf(action: string): AnyGoal[] {
     if (!live) return;
     // What is not answered is not shown; events bring what happens from now on.
     api.goals(action, SHOWN).then(
-      (found) => store.addGoals(found as Goal[]),
+      (found) => store.addGoals(found as LiveGoal[]),
       () => {},
     );
   }, [api, store, action, live]);
 
   return useMemo(
-    () => newestFirst(goals).filter((goal) => goal.action_name === action) as AnyGoal[],
+    () => newestFirst(goals).filter((goal) => goal.action_name === action) as LiveGoal[],
     [goals, action],
   );
 }
 
 interface RecentGoalsProps {
   action: string;
-  goals: readonly AnyGoal[];
+  goals: readonly LiveGoal[];
   /** That of the goal message, and what fills it in; null where there is no form. */
   form: { shape: MessageShape; begin: (message: Json) => void } | null;
 }
@@ -84,7 +84,7 @@ export function RecentGoals({ action, goals, form }: RecentGoalsProps) {
   );
 }
 
-function GoalRow({ goal, form }: { goal: AnyGoal; form: RecentGoalsProps["form"] }) {
+function GoalRow({ goal, form }: { goal: LiveGoal; form: RecentGoalsProps["form"] }) {
   const message = goal.goal as Json | null;
   const asked =
     message === null ? null : spaced(form === null ? message : withoutDefaults(form.shape, message));

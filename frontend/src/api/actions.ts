@@ -1,4 +1,11 @@
-import { type ActionInfo, type AnyGoal, actionPath, deadline, type Http, settle } from "@dock-gateway/client";
+import {
+  type ActionInfo,
+  actionPath,
+  deadline,
+  type Http,
+  type LiveGoal,
+  settle,
+} from "@dock-gateway/client";
 import type { JsonSchema } from "./jsonSchema";
 
 /** JSON Schemas of an action's messages. */
@@ -22,7 +29,7 @@ export function createActionsApi(http: Http) {
       );
     },
     /** @param body The goal message as JSON, sent as it is. */
-    send: (action: string, body: string): Promise<AnyGoal> =>
+    send: (action: string, body: string): Promise<LiveGoal> =>
       settle(
         http.POST("/actions/{name}/goals", {
           params: { path: { name: action } },
@@ -33,7 +40,7 @@ export function createActionsApi(http: Http) {
         }),
       ),
     /** The newest goals of an action. */
-    goals: async (action: string, limit: number): Promise<AnyGoal[]> => {
+    goals: async (action: string, limit: number): Promise<LiveGoal[]> => {
       const query = { action: [action], limit };
       return (await settle(http.GET("/goals", { params: { query }, signal: deadline() }))).goals;
     },

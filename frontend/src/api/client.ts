@@ -6,8 +6,8 @@ import {
   type components,
   type DockList,
   deadline,
-  type Goal,
   type Http,
+  type LiveGoal,
   newKey,
   type Publisher,
   type StopReport,
@@ -37,7 +37,7 @@ export function createGateway(http: Http, robot: string | null = null) {
      * @param desiredStatus How its battery is to be; null where the docking server has no such goals.
      * @param dockId The name of the dock; the default one without it.
      */
-    dock: (desiredStatus: number | null, dockId?: string): Promise<Goal> => {
+    dock: (desiredStatus: number | null, dockId?: string): Promise<LiveGoal> => {
       const body = {
         ...(desiredStatus !== null && { desired_battery_state: { power_supply_status: desiredStatus } }),
         ...(dockId !== undefined && { dock_id: dockId }),
@@ -46,11 +46,11 @@ export function createGateway(http: Http, robot: string | null = null) {
     },
     /** The docks that the docking server knows by name. */
     docks: (): Promise<DockList> => settle(http.GET("/docks", options())),
-    undock: (): Promise<Goal> => settle(http.POST("/undock", goalOptions())),
+    undock: (): Promise<LiveGoal> => settle(http.POST("/undock", goalOptions())),
     cancel: async (goalId: string) =>
       (await settle(
         http.POST("/goals/{goal_id}/cancel", { params: { path: { goal_id: goalId } }, signal: deadline() }),
-      )) as Goal,
+      )) as LiveGoal,
     /** Stops robots until `release`, with one request; all of them for an empty list. */
     stop: (by: string, robots: readonly string[]): Promise<StopReport> =>
       settle(

@@ -1,10 +1,10 @@
 import {
-  type AnyGoal,
-  type AnyGoalPage,
   type components,
   deadline,
   type GoalHistory,
+  type GoalPage,
   type Http,
+  type LiveGoal,
   type PoseEvent,
   type paths,
   settle,
@@ -22,15 +22,15 @@ const EVENTS = 2000;
 export function createGoalsApi(http: Http) {
   const one = (goalId: string) => ({ params: { path: { goal_id: goalId } }, signal: deadline() });
   return {
-    list: (query: GoalQuery, cursor: string | null): Promise<AnyGoalPage> =>
+    list: (query: GoalQuery, cursor: string | null): Promise<GoalPage> =>
       settle(
         http.GET("/goals", {
           params: { query: { ...query, limit: PAGE, ...(cursor === null ? {} : { cursor }) } },
           signal: deadline(),
         }),
       ),
-    goal: (goalId: string): Promise<AnyGoal> => settle(http.GET("/goals/{goal_id}", one(goalId))),
-    cancel: (goalId: string): Promise<AnyGoal> => settle(http.POST("/goals/{goal_id}/cancel", one(goalId))),
+    goal: (goalId: string): Promise<LiveGoal> => settle(http.GET("/goals/{goal_id}", one(goalId))),
+    cancel: (goalId: string): Promise<LiveGoal> => settle(http.POST("/goals/{goal_id}/cancel", one(goalId))),
     /** A page of what happened to a goal, oldest first, after an event, from the beginning for null. */
     history: (goalId: string, after: string | null): Promise<GoalHistory> =>
       settle(
@@ -84,26 +84,34 @@ export function goalExportUrl(goalId: string, format: ExportFormat): string {
   return apiPath(`/goals/${encodeURIComponent(goalId)}/export?format=${format}`);
 }
 
-export type GoalNotes = components["schemas"]["GoalNotes"];
-
 export type Note = components["schemas"]["Note"];
 
-/** Notes and tags of a goal. Each call gives what the goal has then; every failure is a ClientError. */
+/** What people say about a goal. */
+export interface GoalNotes {
+  tags: string[];
+  notes: Note[];
+}
+
+/** Notes and tags of a goal. Every failure is a ClientError. */
 export function createNotesApi(http: Http, goalId: string) {
   const path = { goal_id: goalId };
   const options = () => ({ params: { path }, signal: deadline() });
   return {
-    read: (): Promise<GoalNotes> => settle(http.GET("/goals/{goal_id}/notes", options())),
-    add: (by: string, text: string): Promise<GoalNotes> =>
+    /** Null while the gateway cannot tell. */
+    read: async (): Promise<GoalNotes | null> => {
+      const { tags, notes } = await settle(http.GET("/goals/{goal_id}", options()));
+      return tags == null || notes == null ? null : { tags, notes };
+    },
+    add: (by: string, text: string): Promise<Note> =>
       settle(http.POST("/goals/{goal_id}/notes", { body: { by, text }, ...options() })),
-    remove: (noteId: string): Promise<GoalNotes> =>
+    remove: (noteId: string): Promise<unknown> =>
       settle(
         http.DELETE("/goals/{goal_id}/notes/{note_id}", {
           params: { path: { ...path, note_id: noteId } },
           signal: deadline(),
         }),
       ),
-    setTags: (tags: readonly string[]): Promise<GoalNotes> =>
+    setTags: (tags: readonly string[]): Promise<{ tags: string[] }> =>
       settle(http.PUT("/goals/{goal_id}/tags", { body: { tags: [...tags] }, ...options() })),
   };
 }

@@ -1,4 +1,4 @@
-import type { ActionServer, Goal, Verb } from "@dock-gateway/client";
+import type { ActionServer, LiveGoal, Verb } from "@dock-gateway/client";
 import { whyForbidden } from "../api/session";
 import { NOT_CONNECTED } from "../fleet/context";
 
@@ -40,7 +40,7 @@ export function whatToStart(verb: Verb, server: ActionServer | null): string {
   return ((server && familyOf(server)) ?? OURS).start[verb];
 }
 
-type Running = Pick<Goal, "status">;
+type Running = Pick<LiveGoal, "status">;
 
 interface Situation {
   live: boolean;

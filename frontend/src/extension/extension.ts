@@ -1,4 +1,4 @@
-import type { AnyGoal, Pose } from "@dock-gateway/client";
+import type { ListedGoal, LiveGoal, Pose } from "@dock-gateway/client";
 import type { ComponentType } from "react";
 import type { Layers, SceneLayer } from "../store/layers";
 
@@ -116,7 +116,7 @@ export interface Places {
   /** Beside the origin of a goal: what sent it. */
   goalOrigin: OfGoal;
   /** Beside the name of a goal in a list. */
-  listedGoal: { goal: GoalInList; listed: readonly GoalInList[] };
+  listedGoal: { goal: GoalInList };
   /** Shows nothing itself: calls `onLayer` with what it adds to the replay of a goal that has ended, null for nothing. */
   replay: OfGoal & { onLayer: (layer: ReplayLayer | null) => void };
   /** Shows nothing itself: calls `onPlacing` with how the page's robot is placed by dragging it, null where it is not. */
@@ -125,10 +125,13 @@ export interface Places {
   notifications: object;
 }
 
-export type GoalInList = Pick<AnyGoal, "goal_id" | "status">;
+export type GoalInList = Omit<
+  ListedGoal,
+  "goal" | "feedback" | "result" | "feedback_count" | "last_event_id"
+>;
 
 interface OfGoal {
-  goal: AnyGoal;
+  goal: LiveGoal;
 }
 
 interface OfRobot {

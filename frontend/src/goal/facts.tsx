@@ -1,4 +1,4 @@
-import type { AnyGoal, GoalStatus } from "@dock-gateway/client";
+import type { GoalStatus, LiveGoal } from "@dock-gateway/client";
 import { Alert, Badge, Text } from "@mantine/core";
 import { useAtTime } from "../clock/clock";
 import { useFleetLive } from "../fleet/context";
@@ -44,14 +44,14 @@ export function GoalDuration({ goal }: { goal: Lifetime }) {
   return live || goal.finished_at !== null ? words : "not live";
 }
 
-const ORIGINS: Record<AnyGoal["origin"], { words: string; color: string }> = {
+const ORIGINS: Record<LiveGoal["origin"], { words: string; color: string }> = {
   gateway: { words: "gateway", color: "blue" },
   automation: { words: "automatic", color: "teal" },
   external: { words: "external", color: "grape" },
 };
 
 /** Whether a goal was sent through the gateway, by a rule, or by someone else. */
-export function OriginBadge({ origin }: Pick<AnyGoal, "origin">) {
+export function OriginBadge({ origin }: Pick<LiveGoal, "origin">) {
   const { words, color } = ORIGINS[origin];
   return (
     <Badge variant="outline" color={color}>

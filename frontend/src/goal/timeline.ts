@@ -1,9 +1,9 @@
 import {
-  type AnyGoal,
   type GoalError,
   type GoalEvent,
   type GoalStatus,
   isTerminal,
+  type LiveGoal,
 } from "@dock-gateway/client";
 import type { PlotBand } from "../ui/plotData";
 import { stageName } from "./stages";
@@ -41,11 +41,11 @@ function laterOf(before: GoalStatus | null, now: GoalStatus): GoalStatus {
  *   kept no longer, or are on their way), what the goal itself tells stands in.
  * @param complete Whether they do: the first of them tells when the goal came to be as it says.
  */
-export function timelineOf(goal: AnyGoal, events: readonly StatusEvent[], complete: boolean): Entry[] {
+export function timelineOf(goal: LiveGoal, events: readonly StatusEvent[], complete: boolean): Entry[] {
   const entries: Omit<Entry, "lasted">[] = [];
   let [status, stage, retries, silent] = [null as GoalStatus | null, null as string | null, 0, false];
 
-  const tell = (state: StatusEvent | AnyGoal, time: number | null, key: string) => {
+  const tell = (state: StatusEvent | LiveGoal, time: number | null, key: string) => {
     const now = laterOf(status, state.status);
     const add = (change: Entry["change"]) => entries.push({ key: `${key} ${change.kind}`, time, change });
     if (state.stalled !== silent && !isTerminal(state.status))

@@ -1,10 +1,9 @@
 import {
-  type AnyGoal,
-  type Goal,
   type GoalStatus,
   type GoalSummary,
   isFinal,
   isTerminal,
+  type LiveGoal,
   type Verb,
 } from "@dock-gateway/client";
 import { adviceFor } from "../api/errors";
@@ -61,7 +60,7 @@ const LOST: Record<Verb | "other", string> = {
 };
 
 /** What the meaning of a goal is made of. */
-export type Meant = Pick<AnyGoal, "verb" | "status" | "stage" | "stalled" | "error">;
+export type Meant = Pick<LiveGoal, "verb" | "status" | "stage" | "stalled" | "error">;
 
 /** What a goal's status and stage mean, in a sentence. */
 export function meaning(goal: Meant): string {
@@ -123,7 +122,7 @@ const ADVICE: Record<string, string> = {
 };
 
 /** What can be done about a goal that does not go as it should. */
-export function advice(goal: Pick<AnyGoal, "status" | "error" | "stalled">): string | null {
+export function advice(goal: Pick<LiveGoal, "status" | "error" | "stalled">): string | null {
   if (goal.status === "lost") return FIND_IT;
   if (goal.error !== null) return ADVICE[goal.error.code] ?? adviceFor(goal.error.code);
   return goal.stalled ? STALLED : null;
@@ -231,7 +230,7 @@ export function lastWords(goal: GoalSummary): string {
 }
 
 /** When a goal was created, and when it ended. */
-export type Lifetime = Pick<AnyGoal, "created_at" | "finished_at">;
+export type Lifetime = Pick<LiveGoal, "created_at" | "finished_at">;
 
 /**
  * How long a goal took, as the exported `duration_s` says, or has been running for: then in whole seconds, so that what
@@ -258,7 +257,7 @@ export function soFarWords(start: number, now: number): string {
  */
 export function whyNotCancel(
   live: boolean,
-  goal: Pick<Goal, "status"> | null,
+  goal: Pick<LiveGoal, "status"> | null,
   canceling: boolean,
 ): string | null {
   const forbidden = whyForbidden("POST /goals/{goal_id}/cancel");

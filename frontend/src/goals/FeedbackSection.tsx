@@ -1,4 +1,4 @@
-import { type AnyGoal, isFinal, isTerminal } from "@dock-gateway/client";
+import { isFinal, isTerminal, type LiveGoal } from "@dock-gateway/client";
 import { CloseButton, Group, NativeSelect, Skeleton, Stack, Text } from "@mantine/core";
 import { Suspense, useMemo, useState } from "react";
 import { useSearchParams } from "react-router";
@@ -15,7 +15,7 @@ import { type FoundField, mostTelling, nodeOf, shortNames } from "./fields";
 import { useTimeline, useWatched, useWatchTopic } from "./useGoalWatch";
 
 /** The feedback of a goal as it comes: quantities over time, and the messages. */
-export function FeedbackSection({ goal }: { goal: AnyGoal }) {
+export function FeedbackSection({ goal }: { goal: LiveGoal }) {
   const { watch } = useWatched();
   useWatchTopic("feedback");
   const past = useWatchTopic("past");
@@ -46,7 +46,7 @@ export function FeedbackSection({ goal }: { goal: AnyGoal }) {
   );
 }
 
-function Amount({ goal }: { goal: AnyGoal }) {
+function Amount({ goal }: { goal: LiveGoal }) {
   const { watch } = useWatched();
   const past = useWatchTopic("past");
   const shown = watch.log.rows.length;
@@ -60,7 +60,7 @@ function Amount({ goal }: { goal: AnyGoal }) {
   );
 }
 
-function NoFeedback({ goal }: { goal: AnyGoal }) {
+function NoFeedback({ goal }: { goal: LiveGoal }) {
   return (
     <Text size="sm" c="dimmed">
       {isFinal(goal.status)
@@ -79,7 +79,7 @@ const MAX_PLOTS = 6;
 const PLOT = "plot";
 
 interface FeedbackPlotsProps {
-  goal: AnyGoal;
+  goal: LiveGoal;
   schema: JsonSchema | undefined;
   /** Clicked on a message, by when it came (s since the goal began). */
   onPick: (moment: number) => void;

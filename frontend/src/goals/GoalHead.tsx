@@ -1,4 +1,4 @@
-import { type AnyGoal, isTerminal, type StopState } from "@dock-gateway/client";
+import { isTerminal, type LiveGoal, type StopState } from "@dock-gateway/client";
 import { Alert, Anchor, Badge, Code, Group, Stack, Text, Title } from "@mantine/core";
 import { useState } from "react";
 import { Link } from "react-router";
@@ -26,7 +26,7 @@ import classes from "./goalPage.module.css";
 import { useWatched, useWatchTopic } from "./useGoalWatch";
 
 /** What a goal is and how it stands, with what can be done about it. */
-export function GoalHead({ goal }: { goal: AnyGoal }) {
+export function GoalHead({ goal }: { goal: LiveGoal }) {
   const naming = useNaming();
   const robot = naming.ownerNameOf(goal.action_name);
   const connection = useWatchTopic("connection");
@@ -89,7 +89,7 @@ export function GoalHead({ goal }: { goal: AnyGoal }) {
 }
 
 /** First what became of a goal, why, and how long it took; then what to do. */
-function GoalVerdict({ goal }: { goal: AnyGoal }) {
+function GoalVerdict({ goal }: { goal: LiveGoal }) {
   const { error, status } = goal;
   const hint = advice(goal);
   const live = useFleetLive();
@@ -122,14 +122,14 @@ function GoalVerdict({ goal }: { goal: AnyGoal }) {
 }
 
 /** Only what needs somebody has a colour. */
-function toneOf({ status, stalled, error }: AnyGoal): "bad" | "warn" | undefined {
+function toneOf({ status, stalled, error }: LiveGoal): "bad" | "warn" | undefined {
   if (status === "canceled") return undefined;
   if (status === "lost" || error !== null) return "bad";
   return stalled ? "warn" : undefined;
 }
 
 /** Cancel, send again, share and download. Each says what came of it. */
-function GoalCommands({ goal }: { goal: AnyGoal }) {
+function GoalCommands({ goal }: { goal: LiveGoal }) {
   const { watch, api } = useWatched();
   const actions = useActionsApi();
   const live = useFleetLive();
@@ -170,7 +170,7 @@ function GoalCommands({ goal }: { goal: AnyGoal }) {
   );
 }
 
-function SentAgain({ goal, onClose }: { goal: AnyGoal; onClose: () => void }) {
+function SentAgain({ goal, onClose }: { goal: LiveGoal; onClose: () => void }) {
   return (
     <Alert
       color="green"
@@ -191,7 +191,7 @@ function SentAgain({ goal, onClose }: { goal: AnyGoal; onClose: () => void }) {
 }
 
 interface AskAgainProps {
-  goal: AnyGoal;
+  goal: LiveGoal;
   opened: boolean;
   /** Why it cannot be sent any more; null where it can. */
   reason: string | null;
@@ -215,7 +215,7 @@ function AskAgain({ goal, opened, reason, onClose, onSend }: AskAgainProps) {
   );
 }
 
-function whyNotAgain(goal: AnyGoal, live: boolean, stop: StopState, pending: boolean): string | null {
+function whyNotAgain(goal: LiveGoal, live: boolean, stop: StopState, pending: boolean): string | null {
   const forbidden = whyForbidden("POST /actions/{name}/goals");
   if (forbidden !== null) return forbidden;
   if (goal.goal === null) {

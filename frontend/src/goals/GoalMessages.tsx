@@ -1,4 +1,4 @@
-import { type AnyGoal, isTerminal } from "@dock-gateway/client";
+import { isTerminal, type LiveGoal } from "@dock-gateway/client";
 import { Group, Stack, Text, Title } from "@mantine/core";
 import { useSchemas } from "../actions/actions";
 import type { JsonSchema } from "../api/jsonSchema";
@@ -7,7 +7,7 @@ import { MessageTree } from "../ui/MessageTree";
 import { Section } from "../ui/Section";
 
 /** What was asked, and what came of it. */
-export function GoalMessages({ goal }: { goal: AnyGoal }) {
+export function GoalMessages({ goal }: { goal: LiveGoal }) {
   const schemas = useSchemas(goal.action_type).data;
   return (
     <Section title="Goal and result">

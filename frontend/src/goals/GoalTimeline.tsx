@@ -1,4 +1,4 @@
-import { type AnyGoal, isFinal, isTerminal } from "@dock-gateway/client";
+import { isFinal, isTerminal, type LiveGoal } from "@dock-gateway/client";
 import { Skeleton, Stack, Text } from "@mantine/core";
 import { useGatewayNow } from "../clock/clock";
 import { useFleetLive } from "../fleet/context";
@@ -16,7 +16,7 @@ import classes from "./goalPage.module.css";
 import { useMoment, useTimeline, useWatched } from "./useGoalWatch";
 
 /** What a goal went through: its statuses and stages, when they began and how long they lasted. */
-export function GoalTimeline({ goal }: { goal: AnyGoal }) {
+export function GoalTimeline({ goal }: { goal: LiveGoal }) {
   const { watch } = useWatched();
   const { entries, past } = useTimeline(goal);
   const moment = useMoment();
@@ -55,7 +55,7 @@ export function GoalTimeline({ goal }: { goal: AnyGoal }) {
 
 interface TimelineEntryProps {
   entry: Entry;
-  goal: AnyGoal;
+  goal: LiveGoal;
   last: boolean;
   /** Whether the goal was there at the moment that is marked. */
   marked: boolean;
@@ -104,7 +104,7 @@ function titleOf(change: Exclude<Change, { kind: "status" }>): string {
   return change.stage === "RETRY" ? `Retry ${change.retries || ""}` : stageName(change.stage);
 }
 
-function wordsOf(change: Change, { verb }: AnyGoal): string {
+function wordsOf(change: Change, { verb }: LiveGoal): string {
   if (change.kind === "silence") {
     return change.silent ? "The action server is not responding." : "The action server is responding again.";
   }

@@ -1,6 +1,6 @@
-import type { ActionServer, ListedGoal } from "@dock-gateway/client";
+import type { ActionServer } from "@dock-gateway/client";
 import { Anchor, Button, Group, Table, Text } from "@mantine/core";
-import { type MouseEvent, memo, useMemo, useState } from "react";
+import { type MouseEvent, memo, useState } from "react";
 import { Link, useNavigate } from "react-router";
 import { apiAddress } from "../api/site";
 import { Parts } from "../extension/context";
@@ -17,11 +17,8 @@ import { sentence } from "../ui/text";
 import { goalsPath } from "./filter";
 import classes from "./goals.module.css";
 
-/** The fields of a goal that the list has. */
-type RowGoal = Omit<ListedGoal, "goal" | "feedback" | "result" | "feedback_count" | "last_event_id">;
-
 interface GoalsTableProps {
-  goals: readonly RowGoal[];
+  goals: readonly GoalInList[];
   /** Whether it is about one robot, whose actions need no names. */
   oneRobot?: boolean;
 }
@@ -29,9 +26,6 @@ interface GoalsTableProps {
 /** Goals, a row each, which leads to the goal's page. */
 export function GoalsTable({ goals, oneRobot = false }: GoalsTableProps) {
   const naming = useNaming();
-  // The same until something of it changes that extensions see: so rows stay as they are.
-  const summary = JSON.stringify(goals.map(({ goal_id, status }) => ({ goal_id, status })));
-  const listed = useMemo(() => JSON.parse(summary) as GoalInList[], [summary]);
   return (
     <Table verticalSpacing="xs" horizontalSpacing={8} highlightOnHover className={classes.table ?? ""}>
       <GoalsHead oneRobot={oneRobot} />
@@ -42,7 +36,6 @@ export function GoalsTable({ goals, oneRobot = false }: GoalsTableProps) {
             goal={goal}
             title={oneRobot ? goalName(goal) : goalTitle(goal, naming)}
             oneRobot={oneRobot}
-            listed={listed}
           />
         ))}
       </Table.Tbody>
@@ -66,15 +59,13 @@ export function GoalsHead({ oneRobot }: { oneRobot: boolean }) {
 }
 
 interface GoalRowProps {
-  goal: RowGoal;
+  goal: GoalInList;
   /** In words. */
   title: string;
   oneRobot: boolean;
-  /** It and those around it. */
-  listed: readonly GoalInList[];
 }
 
-const GoalRow = memo(function GoalRow({ goal, title, oneRobot, listed }: GoalRowProps) {
+const GoalRow = memo(function GoalRow({ goal, title, oneRobot }: GoalRowProps) {
   const navigate = useNavigate();
   const path = goalPath(goal.goal_id, goal.action_name);
   const open = ({ target }: MouseEvent) => {
@@ -92,7 +83,7 @@ const GoalRow = memo(function GoalRow({ goal, title, oneRobot, listed }: GoalRow
         <Table.Td visibleFrom="xs" title={goal.action_name}>
           <div className={classes.titled}>
             {title}
-            <Parts at="listedGoal" goal={goal} listed={listed} quiet />
+            <Parts at="listedGoal" goal={goal} quiet />
           </div>
         </Table.Td>
       ) : (
@@ -106,9 +97,9 @@ const GoalRow = memo(function GoalRow({ goal, title, oneRobot, listed }: GoalRow
                 <Breakable text={goal.action_name} />
               </Text>
             </div>
-            <Parts at="listedGoal" goal={goal} listed={listed} quiet />
+            <Parts at="listedGoal" goal={goal} quiet />
           </div>
-          {goal.tags !== undefined && goal.tags.length > 0 && <Tags tags={goal.tags} />}
+          {goal.tags != null && goal.tags.length > 0 && <Tags tags={goal.tags} />}
         </Table.Td>
       )}
       <Table.Td>

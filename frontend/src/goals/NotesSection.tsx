@@ -2,7 +2,7 @@ import { Button, Group, Skeleton, Stack, TagsInput, Text, Textarea, TextInput } 
 import { useQueryClient } from "@tanstack/react-query";
 import { type FormEvent, type KeyboardEvent, useMemo, useState } from "react";
 import { MAX_NAME, ownName, setOwnName } from "../access/who";
-import { createNotesApi, type GoalNotes, type Note, type NotesApi } from "../api/goals";
+import { createNotesApi, type Note, type NotesApi } from "../api/goals";
 import { LIMITS } from "../api/limits.gen";
 import { useFleet, useWhyNot } from "../fleet/context";
 import { CommandErrorAlert, Trouble } from "../ui/errors";
@@ -221,9 +221,9 @@ function useNotes(goalId: string) {
     queryFn: () => api.read(),
     refetchInterval: REFETCH_MS,
   });
-  const change = useCommand(async (send: (api: NotesApi) => Promise<GoalNotes>) => {
-    await client.cancelQueries({ queryKey: key }); // what it reads is outdated
-    client.setQueryData(key, await send(api));
+  const change = useCommand(async (send: (api: NotesApi) => Promise<unknown>) => {
+    await send(api);
+    await client.invalidateQueries({ queryKey: key }); // also what is being read now is outdated
     void client.invalidateQueries({ queryKey: TAGS_KEY });
   });
   return { notes: data ?? null, error, refetch, change };

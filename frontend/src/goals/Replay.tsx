@@ -1,4 +1,4 @@
-import type { AnyGoal } from "@dock-gateway/client";
+import type { LiveGoal } from "@dock-gateway/client";
 import { Button, Group, SegmentedControl, Text } from "@mantine/core";
 import { useReducedMotion } from "@mantine/hooks";
 import { useEffect, useRef, useState } from "react";
@@ -17,7 +17,7 @@ const SLOW_MS = 1000;
 const REST_MS = 300;
 
 /** Goes through a goal that has ended: what the plots, the table and the timeline mark, and the message that is shown. */
-export function Replay({ goal }: { goal: AnyGoal }) {
+export function Replay({ goal }: { goal: LiveGoal }) {
   const { crosshair } = useWatched();
   const [parameters, setParameters] = useSearchParams();
   const [playing, setPlaying] = useState(false);
@@ -111,7 +111,7 @@ export function Replay({ goal }: { goal: AnyGoal }) {
 }
 
 /** The stage that a goal was in at a moment. */
-function useStageAt(goal: AnyGoal, moment: number | null): string | null {
+function useStageAt(goal: LiveGoal, moment: number | null): string | null {
   const { entries } = useTimeline(goal);
   if (moment === null) return null;
   const bands = bandsOf(entries, Date.parse(goal.created_at));

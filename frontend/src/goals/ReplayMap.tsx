@@ -1,4 +1,4 @@
-import type { AnyGoal, PoseEvent } from "@dock-gateway/client";
+import type { LiveGoal, PoseEvent } from "@dock-gateway/client";
 import { Text } from "@mantine/core";
 import { useEffect, useId, useMemo, useState } from "react";
 import { onBeat } from "../clock/beat";
@@ -18,7 +18,7 @@ const LEAVE = async () => {};
 const NO_GHOST = () => {};
 
 /** Where the robot was at the moment that is marked, and its way until then. Nothing where no poses are stored. */
-export default function ReplayMap({ goal }: { goal: AnyGoal }) {
+export default function ReplayMap({ goal }: { goal: LiveGoal }) {
   const { api } = useWatched();
   const [layer, setLayer] = useState<ReplayLayer | null>(null);
   const {

@@ -1,4 +1,4 @@
-import type { AnyGoal, GoalStatus, ListedGoal } from "@dock-gateway/client";
+import type { GoalStatus, ListedGoal, LiveGoal } from "@dock-gateway/client";
 import type { GoalQuery } from "../api/goals";
 import { isBelow } from "../fleet/names";
 import { Address, oneOf, optional, text, texts } from "../ui/address";
@@ -10,7 +10,7 @@ export type GoalState = (typeof STATES)[number];
 
 const RUNNING: readonly GoalStatus[] = ["pending", "accepted", "executing", "canceling"];
 
-export type Origin = AnyGoal["origin"];
+export type Origin = LiveGoal["origin"];
 const ORIGINS: readonly Origin[] = ["gateway", "automation", "external"];
 
 /** Which goals to list; lives in the page's address. */

@@ -1,4 +1,4 @@
-import type { AnyGoal, AnyGoalPage, ListedGoal } from "@dock-gateway/client";
+import type { GoalPage, ListedGoal, LiveGoal } from "@dock-gateway/client";
 import { useEffect, useMemo, useRef } from "react";
 import { createGoalsApi } from "../api/goals";
 import { useFleet, useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
@@ -8,7 +8,7 @@ import { type GoalFilter, goalFilter, matches, toQuery } from "./filter";
 
 const REFETCH_MS = 10_000;
 
-export interface GoalList extends Omit<PagedList<AnyGoalPage>, "pages"> {
+export interface GoalList extends Omit<PagedList<GoalPage>, "pages"> {
   /** Newest first; null until the first page has come. */
   goals: readonly ListedGoal[] | null;
 }
@@ -18,7 +18,7 @@ export function useGoalList(filter: GoalFilter): GoalList {
   const { http, store } = useFleet();
   const zone = useZone();
   const api = useMemo(() => createGoalsApi(http), [http]);
-  const { pages, ...list } = usePages<AnyGoalPage, string>({
+  const { pages, ...list } = usePages<GoalPage, string>({
     queryKey: ["goals", zone, goalFilter.write(filter).toString()],
     queryFn: (cursor) => api.list(toQuery(filter, store.gatewayNow()), cursor),
     keepPrevious: true,
@@ -36,7 +36,7 @@ export function useGoalList(filter: GoalFilter): GoalList {
 }
 
 /** The goals that the stream tells of; of the robots in a group alone, unless it is null. */
-function useKnownGoals(group: string | null): readonly AnyGoal[] {
+function useKnownGoals(group: string | null): readonly LiveGoal[] {
   const goals = useFleetTopic("goals");
   const naming = useNaming();
   return useMemo(() => {
@@ -64,8 +64,8 @@ function useAgainWhenBack(refetch: () => void): void {
  * @param matches Whether a goal belongs into the list.
  */
 export function mergeGoalList(
-  pages: readonly AnyGoalPage[],
-  known: Iterable<AnyGoal>,
+  pages: readonly GoalPage[],
+  known: Iterable<LiveGoal>,
   matches: (goal: ListedGoal) => boolean,
 ): ListedGoal[] {
   const goals = new Map<string, ListedGoal>(
@@ -84,25 +84,25 @@ export function mergeGoalList(
 }
 
 /** When the oldest goal that is loaded was created (ms): everything since is known. */
-function reachOf(pages: readonly AnyGoalPage[]): number {
+function reachOf(pages: readonly GoalPage[]): number {
   const last = pages.at(-1);
   const oldest = last?.goals.at(-1);
   if (last?.next_cursor == null || oldest === undefined) return Number.NEGATIVE_INFINITY;
   return timeOf(oldest);
 }
 
-function isNewer(goal: AnyGoal, listed: AnyGoal): boolean {
+function isNewer(goal: LiveGoal, listed: LiveGoal): boolean {
   return Date.parse(goal.updated_at) >= Date.parse(listed.updated_at);
 }
 
 /** A goal that the stream knows of one event alone has no type, and not the time when it was created. */
-function renewed(listed: ListedGoal, goal: AnyGoal): ListedGoal {
-  if (goal.action_type !== "") return listed.tags?.length ? { ...goal, tags: listed.tags } : goal;
+function renewed(listed: ListedGoal, goal: LiveGoal): ListedGoal {
+  if (goal.action_type !== "") return { ...listed, ...goal };
   const { status, error, stalled, updated_at, finished_at, feedback, result } = goal;
   return { ...listed, status, error, stalled, updated_at, finished_at, feedback, result };
 }
 
-function timeOf(goal: AnyGoal): number {
+function timeOf(goal: LiveGoal): number {
   return Date.parse(goal.created_at);
 }
 

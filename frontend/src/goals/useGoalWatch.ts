@@ -1,4 +1,4 @@
-import type { AnyGoal, Http } from "@dock-gateway/client";
+import type { Http, LiveGoal } from "@dock-gateway/client";
 import {
   createContext,
   useCallback,
@@ -73,7 +73,7 @@ export function useHeldMoment(): number | null {
 }
 
 /** What a goal went through; the same list until that changes, whatever feedback comes. */
-export function useTimeline(goal: AnyGoal): { entries: readonly Entry[]; past: Past } {
+export function useTimeline(goal: LiveGoal): { entries: readonly Entry[]; past: Past } {
   const statuses = useWatchTopic("statuses");
   const past = useWatchTopic("past");
   const complete = past.complete === true;

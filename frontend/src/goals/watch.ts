@@ -1,12 +1,11 @@
 import {
-  type AnyGoal,
   type ClientError,
   type ConnectionInput,
   type EventOf,
   type GatewayEvent,
-  type Goal,
   type GoalEvent,
   isFinal,
+  type LiveGoal,
   type StreamHandlers,
 } from "@dock-gateway/client";
 import { toClientError } from "../api/errors";
@@ -28,7 +27,7 @@ export interface Past {
 }
 
 export interface WatchTopics {
-  goal: AnyGoal | null;
+  goal: LiveGoal | null;
   /** Why there is no goal. */
   error: ClientError | null;
   /** In the order of their ids. */
@@ -95,8 +94,8 @@ export class GoalWatch {
   }
 
   /** Takes up what an answer over HTTP says of the goal. */
-  take(goal: AnyGoal): void {
-    this.#goals = mergeGoals(this.#goals, [goal as Goal]);
+  take(goal: LiveGoal): void {
+    this.#goals = mergeGoals(this.#goals, [goal as LiveGoal]);
     this.#shown.schedule();
   }
 
@@ -192,7 +191,7 @@ export class GoalWatch {
     this.#connection = null;
     void this.readPast();
     try {
-      const goal = (await this.api.goal(this.goalId)) as Goal;
+      const goal = (await this.api.goal(this.goalId)) as LiveGoal;
       if (isFinal(goal.status)) this.#goals = { ...EMPTY, goals: new Map([[goal.goal_id, goal]]) };
     } catch {
       // The events of the stream are shown.
@@ -221,7 +220,7 @@ export class GoalWatch {
 
   #topics(): WatchTopics {
     return {
-      goal: (this.#goals.goals.get(this.goalId) as AnyGoal | undefined) ?? null,
+      goal: (this.#goals.goals.get(this.goalId) as LiveGoal | undefined) ?? null,
       error: this.#error,
       statuses: this.#statuses,
       feedback: this.log.version,

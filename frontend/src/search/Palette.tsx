@@ -1,5 +1,5 @@
 import "@mantine/spotlight/styles.css";
-import type { AnyGoal } from "@dock-gateway/client";
+import type { LiveGoal } from "@dock-gateway/client";
 import { useDebouncedValue } from "@mantine/hooks";
 import { createSpotlight, Spotlight } from "@mantine/spotlight";
 import { keepPreviousData, useQuery } from "@tanstack/react-query";
@@ -116,10 +116,10 @@ function useFound(query: string) {
   );
 }
 
-const NONE: readonly AnyGoal[] = [];
+const NONE: readonly LiveGoal[] = [];
 
 /** The goals whose id begins with a text. */
-function useGoals(query: string): readonly AnyGoal[] {
+function useGoals(query: string): readonly LiveGoal[] {
   const { http } = useFleet();
   const [paused] = useDebouncedValue(goalIdOf(query), PAUSE_MS);
   const id = goalIdOf(query) === null ? null : paused;

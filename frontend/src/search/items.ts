@@ -1,4 +1,4 @@
-import { type ActionInfo, type AnyGoal, actionPath, type Robot } from "@dock-gateway/client";
+import { type ActionInfo, actionPath, type LiveGoal, type Robot } from "@dock-gateway/client";
 import { byName, goalPath, isFound, Naming, namespaceWords, robotName, robotPath } from "../fleet/names";
 import { goalTitle } from "../goal/words";
 import { OPERATION_NAMES, type Operation, operationsHere, whyNot } from "../operations/operation";
@@ -23,7 +23,7 @@ export interface Sources {
   groups: readonly string[];
   actions: readonly ActionInfo[];
   /** Those whose id begins with what is typed. */
-  goals: readonly AnyGoal[];
+  goals: readonly LiveGoal[];
   pages: readonly { to: string; name: string }[];
   live: boolean;
 }
@@ -148,7 +148,7 @@ function actionItems(actions: readonly ActionInfo[], wanted: string): Item[] {
     }));
 }
 
-function goalItem(goal: AnyGoal, naming: Naming): Item {
+function goalItem(goal: LiveGoal, naming: Naming): Item {
   const { goal_id, action_name, status } = goal;
   return {
     id: `goal ${goal_id}`,

@@ -1,16 +1,9 @@
-import {
-  type AnyGoal,
-  type EventOf,
-  type Goal,
-  type GoalStatus,
-  isFinal,
-  isTerminal,
-} from "@dock-gateway/client";
+import { type EventOf, type GoalStatus, isFinal, isTerminal, type LiveGoal } from "@dock-gateway/client";
 import { withGap, withStage } from "./stages";
 import { type GoalsState, MAX_ARRIVALS, MAX_GOALS } from "./state";
 
 /** How a goal goes, without its feedback. */
-export type GoalCourse = Omit<Goal, "feedback" | "feedback_count" | "last_event_id">;
+export type GoalCourse = Omit<LiveGoal, "feedback" | "feedback_count" | "last_event_id">;
 
 /** What feedback changes of a goal, besides `stalled`. `updated_at` counts only for those that have ended. */
 const OF_FEEDBACK: ReadonlySet<string> = new Set([
@@ -24,9 +17,9 @@ const OF_FEEDBACK: ReadonlySet<string> = new Set([
  * Lists goals newest first, and gives the same list for as long as only feedback comes: feedback comes often, and most of
  * what is shown of goals is not about it.
  */
-export function courseLister(): (goals: ReadonlyMap<string, Goal>) => readonly GoalCourse[] {
-  let listed: ReadonlyMap<string, Goal> = new Map();
-  let list: readonly Goal[] = [];
+export function courseLister(): (goals: ReadonlyMap<string, LiveGoal>) => readonly GoalCourse[] {
+  let listed: ReadonlyMap<string, LiveGoal> = new Map();
+  let list: readonly LiveGoal[] = [];
   return (goals) => {
     if (goals === listed) return list;
     const known = new Map(list.map((goal) => [goal.goal_id, goal]));
@@ -40,15 +33,15 @@ export function courseLister(): (goals: ReadonlyMap<string, Goal>) => readonly G
   };
 }
 
-function sameCourse(before: Goal, after: Goal): boolean {
+function sameCourse(before: LiveGoal, after: LiveGoal): boolean {
   if (before === after) return true;
   if (isTerminal(after.status) && before.updated_at !== after.updated_at) return false;
-  const keys = Object.keys(after) as (keyof Goal)[];
+  const keys = Object.keys(after) as (keyof LiveGoal)[];
   return keys.every((key) => OF_FEEDBACK.has(key) || before[key] === after[key]);
 }
 
 /** Newest first. */
-export function newestFirst(goals: ReadonlyMap<string, Goal>): Goal[] {
+export function newestFirst(goals: ReadonlyMap<string, LiveGoal>): LiveGoal[] {
   return [...goals.values()].sort((a, b) => Date.parse(b.created_at) - Date.parse(a.created_at));
 }
 
@@ -90,7 +83,7 @@ export function applyResult<S extends GoalsState>(state: S, event: EventOf<"resu
 }
 
 /** Takes up goals that came as an answer over HTTP, unless events have brought something newer. */
-export function mergeGoals<S extends GoalsState>(state: S, goals: readonly Goal[]): S {
+export function mergeGoals<S extends GoalsState>(state: S, goals: readonly LiveGoal[]): S {
   let next = state;
   for (const goal of goals) {
     const known = next.goals.get(goal.goal_id);
@@ -109,10 +102,10 @@ export function mergeGoals<S extends GoalsState>(state: S, goals: readonly Goal[
 export function snapshotGoals<S extends GoalsState>(
   state: S,
   actionNames: readonly string[] | null,
-  goals: readonly (Goal | AnyGoal)[],
+  goals: readonly (LiveGoal | LiveGoal)[],
 ): S {
   const ended = [...state.goals.values()].filter((goal) => isFinal(goal.status));
-  const ours = [...ended, ...(goals as readonly Goal[])].filter(
+  const ours = [...ended, ...(goals as readonly LiveGoal[])].filter(
     (goal) => actionNames?.includes(goal.action_name) ?? true,
   );
   const map = new Map(ours.map((goal) => [goal.goal_id, goal]));
@@ -122,7 +115,7 @@ export function snapshotGoals<S extends GoalsState>(
   return { ...next, stages: ours.reduce((known, goal) => withStage(known, goal, null), stages) };
 }
 
-function withGoal<S extends GoalsState>(state: S, goal: Goal): S {
+function withGoal<S extends GoalsState>(state: S, goal: LiveGoal): S {
   return prune({ ...state, goals: new Map(state.goals).set(goal.goal_id, goal) });
 }
 
@@ -145,7 +138,7 @@ function prune<S extends GoalsState>(state: S): S {
 function unknownGoal(
   event: { goal_id: string; action_name: string; time: string },
   status: GoalStatus,
-): Goal {
+): LiveGoal {
   return {
     goal_id: event.goal_id,
     action_name: event.action_name,

@@ -1,4 +1,4 @@
-import type { Goal } from "@dock-gateway/client";
+import type { LiveGoal } from "@dock-gateway/client";
 
 /** Stages of one goal that are remembered. */
 const MAX_VISITS = 200;
@@ -19,7 +19,7 @@ const NOT_ON_THE_WAY = new Set(["IDLE", "SUCCEEDED", "CANCELED", "ABORTED", "REJ
 /** A goal is seen in its stage. */
 export function withStage(
   stages: Stages,
-  { goal_id, stage }: Pick<Goal, "goal_id" | "stage">,
+  { goal_id, stage }: Pick<LiveGoal, "goal_id" | "stage">,
   since: number | null,
 ): Stages {
   const known = stages.get(goal_id) ?? [];

@@ -2,8 +2,8 @@ import type {
   ActionServer,
   BatteryState,
   EventOf,
-  Goal,
   Implausible,
+  LiveGoal,
   Publisher,
   Simulator,
   StopState,
@@ -47,7 +47,7 @@ type Arrivals = ReadonlyMap<string, readonly number[]>;
 
 /** What is known of goals. */
 export interface GoalsState {
-  goals: ReadonlyMap<string, Goal>;
+  goals: ReadonlyMap<string, LiveGoal>;
   arrivals: Arrivals;
   stages: Stages;
 }

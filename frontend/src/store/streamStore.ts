@@ -1,4 +1,4 @@
-import type { ConnectionInput, GatewayEvent, Goal } from "@dock-gateway/client";
+import type { ConnectionInput, GatewayEvent, LiveGoal } from "@dock-gateway/client";
 import { atBeat, BEAT_MS } from "../clock/beat";
 import { type Connection, initialConnection, nextConnection } from "../stream/connection";
 import { mergeGoals } from "./goals";
@@ -69,7 +69,7 @@ export abstract class StreamStore<State extends StreamState, Topics extends obje
   };
 
   /** Takes up goals from an answer over HTTP: at once, as people wait for it. */
-  addGoals(goals: readonly Goal[]): void {
+  addGoals(goals: readonly LiveGoal[]): void {
     this.state = mergeGoals(this.state, goals);
     this.shown.flush();
   }

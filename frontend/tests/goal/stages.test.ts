@@ -1,4 +1,4 @@
-import type { Goal } from "@dock-gateway/client";
+import type { LiveGoal } from "@dock-gateway/client";
 import { describe, expect, it } from "vitest";
 import { spansOf, stageWords, stepsOf, timeIn } from "../../src/goal/stages";
 import { reduce } from "../../src/store/reducer";
@@ -103,7 +103,7 @@ describe("the way of a goal", () => {
   ];
 
   it("takes its time, stage by stage, up to now or to its end", () => {
-    const times = (goalNow: Goal) => spansOf(goalNow, visits, START + 10_000).map(({ ms }) => ms);
+    const times = (goalNow: LiveGoal) => spansOf(goalNow, visits, START + 10_000).map(({ ms }) => ms);
     expect(times(goal("a"))).toEqual([2000, 3000, 1000, 4000]);
     expect(times(goal("a", { status: "aborted", finished_at: at(7) }))).toEqual([2000, 3000, 1000, 1000]);
   });

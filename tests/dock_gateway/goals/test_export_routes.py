@@ -13,7 +13,9 @@ from starlette.types import Message
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import feedback_event, result_event, status_event
 from dock_gateway.core.goal import Goal, GoalStatus, encode
+from dock_gateway.core.grant import UNLIMITED
 from dock_gateway.goals import export_routes as exports
+from dock_gateway.goals.goal_documents import GoalDocuments
 from dock_gateway.goals.goals import Goals
 from dock_gateway.http.slow_clients import PacedResponse
 from dock_gateway.storage import GoalFilter
@@ -50,7 +52,7 @@ async def test_all_goals_that_match(all_goals: Goals, history: HistoryInMemory, 
     data = await whole(exports.goals_as_csv(all_goals, history, wanted))
     assert data.startswith(b"goal_id,action_name,")
     assert [row["goal_id"] for row in table(data)] == expected
-    goals = orjson.loads(await whole(exports.goals_as_json(all_goals, wanted)))
+    goals = orjson.loads(await whole(exports.goals_as_json(all_goals, GoalDocuments(history), UNLIMITED, wanted)))
     assert [goal["goal_id"] for goal in goals] == expected
     assert all(goal["goal"] == {"order": 5} for goal in goals)
 
@@ -71,7 +73,8 @@ async def a_goal(history: HistoryInMemory, feedback: int) -> Goal:
 async def test_all_events_of_a_goal(history: HistoryInMemory, feedback: int) -> None:
     goal = await a_goal(history, feedback)
     await history.notes.replace_tags(goal.goal_id, ["blocked"])
-    exported = orjson.loads(await whole(exports.goal_as_json(history, goal)))
+    (document,) = await GoalDocuments(history).full([goal], UNLIMITED)
+    exported = orjson.loads(await whole(exports.goal_as_json(history, goal, document)))
     events = exported.pop("events")
     assert exported == orjson.loads(encode(goal.document())) | {"complete": True, "tags": ["blocked"], "notes": []}
     assert [event["type"] for event in events] == ["status", *["feedback"] * feedback, "result"]

@@ -6,14 +6,18 @@ from typing import Any
 
 import pytest
 
+from dock_gateway.core.errors import Unavailable
+from dock_gateway.goals.goal_documents import GoalDocuments
 from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.storage import History
 from tests.support.history import HistoryInMemory, make_goal
 from tests.support.robot_actions import make_robot_actions
 from tests.support.route_client import RouteClient
 
 GOAL = "00000000-0000-4000-8000-000000000001"
-NOTES, TAGS = f"/goals/{GOAL}/notes", f"/goals/{GOAL}/tags"
+PATH = f"/goals/{GOAL}"
+NOTES, TAGS = f"{PATH}/notes", f"{PATH}/tags"
 BLOCKED = {"by": "Ada", "text": "wheel was blocked by a box"}
 
 
@@ -24,8 +28,20 @@ class Client(RouteClient):
         self.history = HistoryInMemory()
         self.history.record(make_goal(1, goal_id=GOAL))
         live: Any = SimpleNamespace(goal=lambda _: None)
-        goals = Goals(live, make_robot_actions(), self.history)
-        super().__init__({History: self.history, Goals: goals})
+        actions = make_robot_actions()
+        super().__init__(
+            {
+                History: self.history,
+                Goals: Goals(live, actions, self.history),
+                GoalDocuments: GoalDocuments(self.history),
+                RobotActions: actions,
+            }
+        )
+
+    def written(self) -> dict[str, Any]:
+        """Return what is written about the goal."""
+        goal = self.send("GET", PATH)
+        return {name: goal[name] for name in ("tags", "notes")}
 
 
 @pytest.fixture
@@ -35,20 +51,24 @@ def client() -> Iterator[Client]:
 
 
 def test_notes_and_tags(client: Client) -> None:
-    assert client.send("GET", NOTES) == {"tags": [], "notes": []}
-    (note,) = client.send("POST", NOTES, 201, json=BLOCKED | {"by": " Ada  "})["notes"]
+    assert client.written() == {"tags": [], "notes": []}
+    note = client.send("POST", NOTES, 201, json=BLOCKED | {"by": " Ada  "})
     assert {name: note[name] for name in BLOCKED} == BLOCKED
     assert note["at"].endswith("Z")
     lines = {"by": "Bob", "text": " one\r\n\ttwo 👩‍🔧\n"}
-    assert client.send("POST", NOTES, 201, json=lines)["notes"][1]["text"] == "one\n\ttwo 👩‍🔧"
-    tags = client.send("PUT", TAGS, json={"tags": [" maintenance", "blocked", "blocked "]})["tags"]
-    assert tags == ["blocked", "maintenance"]
-    assert client.send("GET", "/goals/tags") == {"tags": tags}
-    left = client.send("DELETE", f"{NOTES}/{note['note_id']}")
-    assert [each["by"] for each in left["notes"]] == ["Bob"]
+    other = client.send("POST", NOTES, 201, json=lines)
+    assert other["text"] == "one\n\ttwo 👩‍🔧"
+    tags = client.send("PUT", TAGS, json={"tags": [" maintenance", "blocked", "blocked "]})
+    assert tags == {"tags": ["blocked", "maintenance"]}
+    assert client.send("GET", "/goals/tags") == tags
+    assert client.written() == tags | {"notes": [note, other]}
+    client.send("DELETE", f"{NOTES}/{note['note_id']}", 204)
+    assert client.written() == tags | {"notes": [other]}
+    (listed,) = client.send("GET", "/goals?tag=blocked")["goals"]
+    assert listed == client.send("GET", PATH)
     assert client.send("DELETE", f"{NOTES}/{note['note_id']}", 404)["code"] == "note_not_found"
     assert client.send("DELETE", f"{NOTES}/%00", 422)["errors"][0]["path"] == "note_id"
-    assert client.send("GET", f"/goals/{GOAL.replace('-', '').upper()}/notes") == left
+    assert client.send("GET", f"/goals/{GOAL.replace('-', '').upper()}") == listed
     assert client.send("PUT", TAGS, json={"tags": []})["tags"] == []
 
 
@@ -59,13 +79,21 @@ def test_notes_and_tags_that_are_refused(client: Client) -> None:
         ("PUT", TAGS, {"tags": ["fine", " "]}, "tags.1"),
     ):
         assert [error["path"] for error in client.send(method, path, 422, json=body)["errors"]] == [wrong]
-    assert client.send("GET", NOTES) == {"tags": [], "notes": []}
+    assert client.written() == {"tags": [], "notes": []}
+
+
+def test_a_running_goal_is_shown_while_the_history_is_away(client: Client) -> None:
+    async def away(_: object) -> Any:
+        raise Unavailable("the history database does not answer", code="history_unavailable")
+
+    client.history.notes.of = away  # type: ignore[method-assign]
+    assert client.written() == {"tags": None, "notes": None}
 
 
 def test_a_goal_that_is_not_there(client: Client) -> None:
     missing = "/goals/00000000-0000-4000-8000-000000000002"
     for method, path, content in (
-        ("GET", "/notes", {}),
+        ("GET", "", {}),
         ("POST", "/notes", {"json": BLOCKED}),
         ("DELETE", f"/notes/{'0' * 32}", {}),
         ("PUT", "/tags", {"json": {"tags": []}}),

@@ -14,7 +14,7 @@ GOALS = [
     make_goal(1, GoalStatus.SUCCEEDED, "/dock"),
     make_goal(2, GoalStatus.ABORTED, "/robot1/dock", error=GoalError("blocked", "by a chair")),
     make_goal(3, GoalStatus.EXECUTING, "/robot1/arm/dock", origin="external"),
-    make_goal(4, GoalStatus.SUCCEEDED, "/robot10/dock"),
+    make_goal(4, GoalStatus.SUCCEEDED, "/robot10/dock", verb="dock"),
     make_goal(5, GoalStatus.CANCELED, "/Robot1/dock", origin="external", error=GoalError("stopped", "by Ada")),
     make_goal(6, GoalStatus.SUCCEEDED, "/robot1/fibonacci"),
 ]
@@ -64,6 +64,8 @@ PICKED: list[tuple[dict[str, object], list[int]]] = [
     ({"error_codes": {"blocked"}, "statuses": {GoalStatus.CANCELED}}, []),
     ({"origin": "external"}, [5, 3]),
     ({"origin": "gateway", "statuses": {GoalStatus.SUCCEEDED}, "namespace": "/robot1"}, [6]),
+    ({"verb": "dock"}, [4]),
+    ({"verb": "undock"}, []),
     ({"since": NOW + timedelta(seconds=4)}, [6, 5, 4]),
     ({"until": NOW + timedelta(seconds=3)}, [2, 1]),
     ({"since": NOW + timedelta(seconds=2), "until": NOW + timedelta(seconds=2, microseconds=1)}, [2]),

@@ -14,11 +14,14 @@ from dock_gateway.storage.tables import goal_notes, goal_tags
 from tests.support.history import NOW, locked, make_goal, open_at, open_place, page_of, settled, written
 from tests.support.waiting import until
 
-NOTHING = GoalNotes((), ())
-
 
 def note(number: int, text: str = "wheel was blocked by a box ü\n\tand a 'chair'") -> Note:
     return Note(f"{number:032x}", "Ada", NOW + timedelta(seconds=number), text)
+
+
+async def notes_on(history: History) -> tuple[Note, ...]:
+    """The notes of the first goal."""
+    return (await history.notes.of(["goal-0001"]))["goal-0001"].notes
 
 
 pytestmark = pytest.mark.usefixtures("patient")
@@ -28,26 +31,28 @@ async def test_notes_and_tags_are_stored_and_deleted(place: str, tmp_path: Path)
     async with open_place(place, tmp_path) as history:
         await ready(history)
         store = history.notes
-        assert await store.of("goal-0001") == NOTHING
-        assert await store.add("goal-0001", note(2)) == GoalNotes((), (note(2),))
-        both = await store.add("goal-0001", note(3))
-        assert both == GoalNotes((), (note(2), note(3)))
+        assert await store.of(["goal-0001"]) == {}
+        await store.add("goal-0001", note(2))
+        await store.add("goal-0001", note(3))
+        assert await store.of(["goal-0001", "goal-0002"]) == {"goal-0001": GoalNotes((), (note(2), note(3)))}
         await store.add("goal-0002", note(4))
-        tagged = await store.replace_tags("goal-0001", ["maintenance", "blocked"])
-        assert tagged == GoalNotes(("blocked", "maintenance"), both.notes)
+        await store.replace_tags("goal-0001", ["maintenance", "blocked"])
         await store.replace_tags("goal-0002", ["blocked", "Ärger"])
         assert await store.tags_of(["goal-0001", "goal-0002", "goal-0003"]) == {
             "goal-0001": ("blocked", "maintenance"),
             "goal-0002": ("blocked", "Ärger"),
         }
         assert await store.all_tags() == ["blocked", "maintenance", "Ärger"]
-        assert (await store.remove("goal-0001", note(2).note_id)).notes == (note(3),)
+        await store.remove("goal-0001", note(2).note_id)
         for goal_id in ("goal-0001", "goal-0002"):
             with pytest.raises(NotFound, match="has no note") as refused:
                 await store.remove(goal_id, note(2).note_id)
             assert refused.value.code == "note_not_found"
-        assert await store.replace_tags("goal-0002", []) == GoalNotes((), (note(4),))
-        assert await store.of("goal-0001") == GoalNotes(("blocked", "maintenance"), (note(3),))
+        await store.replace_tags("goal-0002", [])
+        assert await store.of(["goal-0001", "goal-0002", "goal-0003"]) == {
+            "goal-0001": GoalNotes(("blocked", "maintenance"), (note(3),)),
+            "goal-0002": GoalNotes((), (note(4),)),
+        }
 
 
 async def test_a_goal_has_room_for_a_hundred_notes(place: str, tmp_path: Path) -> None:
@@ -59,7 +64,7 @@ async def test_a_goal_has_room_for_a_hundred_notes(place: str, tmp_path: Path) -
             await history.notes.add("goal-0001", note(MAX_NOTES))
         assert refused.value.code == "limit_reached"
         await history.notes.add("goal-0002", note(MAX_NOTES))
-        assert len((await history.notes.of("goal-0001")).notes) == MAX_NOTES
+        assert len(await notes_on(history)) == MAX_NOTES
 
 
 async def test_two_gateways_have_the_same(database_url: str, tmp_path: Path) -> None:
@@ -73,9 +78,9 @@ async def test_two_gateways_have_the_same(database_url: str, tmp_path: Path) -> 
         adds = (each.notes.add("goal-0001", note(number)) for number, each in enumerate((one, other) * 4))
         ends = await asyncio.gather(*adds, return_exceptions=True)
         assert sum(isinstance(end, Conflict) for end in ends) == 3
-        assert len((await one.notes.of("goal-0001")).notes) == MAX_NOTES
+        assert len(await notes_on(one)) == MAX_NOTES
         await other.notes.replace_tags("goal-0001", ["blocked"])
-        assert await one.notes.of("goal-0001") == await other.notes.of("goal-0001")
+        assert await one.notes.of(["goal-0001"]) == await other.notes.of(["goal-0001"])
 
 
 @pytest.mark.parametrize("waiting", [False, True])

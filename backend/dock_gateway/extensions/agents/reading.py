@@ -11,8 +11,8 @@ from dock_gateway.core.access import Principal
 from dock_gateway.core.filters import is_under
 from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.core.grant import Role
+from dock_gateway.goals import history_routes
 from dock_gateway.goals.goals import Goals
-from dock_gateway.goals.history_routes import list_all_goals
 from dock_gateway.goals.queries import read_goal_filter
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
@@ -81,7 +81,7 @@ async def describe_action(parts: Parts, _: Principal, fields: Fields) -> Fields:
     return {"action_name": action.name, "action_type": messages.pop("type"), **messages}
 
 
-@carries_out(list_all_goals)
+@carries_out(history_routes.list_goals)
 async def list_goals(parts: Parts, principal: Principal, fields: Fields) -> Fields:
     """List goals of every sender, newest first."""
     action, status = fields.get("action"), fields.get("status")

@@ -10,11 +10,13 @@ from dock_gateway.extensions.recordings.error_codes import CODES
 from dock_gateway.extensions.recordings.recorder import Recorder
 from dock_gateway.extensions.recordings.recordings import Recordings
 from dock_gateway.extensions.recordings.routes import router
+from dock_gateway.extensions.recordings.schema import GoalRecording
 from dock_gateway.extensions.recordings.settings import RecordingSettings
 from dock_gateway.extensions.recordings.store import RecordingStore
 from dock_gateway.fleet.alert import Alert
 from dock_gateway.fleet.alert_board import AlertBoard
 from dock_gateway.fleet.alert_kinds import AlertKind
+from dock_gateway.goals.goal_documents import GoalField
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.graph.relays import Relays
 from dock_gateway.http.parts import Parts
@@ -66,4 +68,5 @@ extension = Extension(
     routes=lambda _: (router,),
     alerts=(RECORDINGS_FAILED,),
     errors=CODES,
+    goal_field=GoalField("recording", GoalRecording, Recordings.describe),
 )

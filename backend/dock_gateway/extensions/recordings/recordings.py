@@ -1,7 +1,8 @@
 """The recordings, for who asks: finds them, or says why there is none."""
 
 import asyncio
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
+from functools import lru_cache, partial
 from io import BytesIO
 from typing import Any
 
@@ -18,6 +19,8 @@ from dock_gateway.ros.raw_port import EchoType
 from robot_io.recording import EVENTS, Sample, read
 
 OFF = "Recordings are switched off (`--recordings none`)."
+# Recordings of which it is remembered whether they have a picture: each has to be opened for that.
+PICTURES_KNOWN = 10_000
 PICTURES = {b"\xff\xd8\xff": "image/jpeg", b"\x89PNG\r\n\x1a\n": "image/png"}
 
 
@@ -32,6 +35,7 @@ class Recordings:
     def __init__(self, store: RecordingStore, recorder: Recorder | None) -> None:
         self._store = store
         self._recorder = recorder
+        self._picture_topic = lru_cache(PICTURES_KNOWN)(partial(_picture_topic, store))
 
     def is_running(self, goal_id: str) -> bool:
         """Return whether a goal is being recorded."""
@@ -58,6 +62,27 @@ class Recordings:
         if goal.status is GoalStatus.SUCCEEDED:
             return "The goal succeeded: such recordings are kept only with `--recordings all`, and deleted first."
         return "There is none at this gateway: the goal ran without it, or the recording was deleted."
+
+    async def describe(self, goals: Sequence[Goal], grant: Grant) -> list[dict[str, Any]]:
+        """Return the recording of each goal as `GoalRecording` has it; a picture only if the grant covers it."""
+        running = {goal.goal_id for goal in goals if self.is_running(goal.goal_id)}
+        found = await asyncio.to_thread(self._look, [goal.goal_id for goal in goals if goal.goal_id not in running])
+        return [self._describe(goal, found.get(goal.goal_id), grant, running=goal.goal_id in running) for goal in goals]
+
+    def _look(self, goal_ids: Iterable[str]) -> dict[str, tuple[Recording, str | None]]:
+        """Return the recordings that there are, and the topic of the picture of each."""
+        recordings = (self._store.find(goal_id) for goal_id in goal_ids)
+        return {found.goal_id: (found, self._picture_topic(found)) for found in recordings if found is not None}
+
+    def _describe(
+        self, goal: Goal, found: tuple[Recording, str | None] | None, grant: Grant, *, running: bool
+    ) -> dict[str, Any]:
+        if found is None:
+            state, reason = "running" if running else "none", self._why_none(goal, running=running)
+            return {"state": state, "size": None, "picture": False, "reason": reason}
+        recording, topic = found
+        picture = topic is not None and grant.covers_topic(topic)
+        return {"state": "complete", "size": recording.size, "picture": picture, "reason": None}
 
     async def narrowed(self, recording: Recording, grant: Grant) -> memoryview:
         """Return a recording with the topics that a grant covers.
@@ -98,8 +123,7 @@ class Recordings:
         if sample is None or not grant.covers_topic(sample.topic):
             raise NotFound("The recording has no picture of a camera.", code="picture_not_found")
         data = await asyncio.to_thread(_picture_in, sample)
-        media_type = next((each for start, each in PICTURES.items() if data.startswith(start)), None)
-        if media_type is None:
+        if (media_type := _media_type(data)) is None:
             raise NotFound("The last picture is neither JPEG nor PNG.", code="picture_not_found")
         return data, media_type
 
@@ -141,6 +165,16 @@ def _picture_in(sample: Sample) -> bytes:
         return bytes(EchoType(CAMERA).decode(sample.data).data)
     except Exception:  # noqa: BLE001 - whatever the bytes of others bring about
         return b""
+
+
+def _media_type(data: bytes) -> str | None:
+    return next((each for start, each in PICTURES.items() if data.startswith(start)), None)
+
+
+def _picture_topic(store: RecordingStore, recording: Recording) -> str | None:
+    """Return the topic of the picture that a recording has."""
+    sample = _last_picture(store, recording)
+    return None if sample is None or _media_type(_picture_in(sample)) is None else sample.topic
 
 
 def _as_file(samples: Iterable[Sample], about: dict[str, str]) -> memoryview:

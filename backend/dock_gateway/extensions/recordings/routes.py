@@ -3,10 +3,9 @@
 import contextlib
 from collections.abc import AsyncGenerator
 from http import HTTPStatus
-from typing import Annotated, Any
+from typing import Any
 
-from fastapi import APIRouter, Query, Request
-from pydantic import StringConstraints
+from fastapi import APIRouter, Request
 from starlette.datastructures import Headers
 from starlette.responses import FileResponse, Response
 from starlette.types import Message, Receive, Send
@@ -14,10 +13,9 @@ from starlette.types import Scope as ConnectionScope
 
 from dock_gateway.core.errors import FieldError, InvalidField, NotFound
 from dock_gateway.core.event import utc_now
-from dock_gateway.core.goal import Goal
-from dock_gateway.core.grant import Grant, Role
+from dock_gateway.core.grant import Role
 from dock_gateway.extensions.recordings.recordings import Recordings
-from dock_gateway.extensions.recordings.schema import GoalRecording, GoalReplay, PicturedGoals
+from dock_gateway.extensions.recordings.schema import GoalReplay
 from dock_gateway.goals.goals import Goals
 from dock_gateway.http.openapi import UNSTABLE
 from dock_gateway.http.operation import Audit, Scope, operation
@@ -29,12 +27,9 @@ from dock_gateway.http.route import ApiRoute
 from dock_gateway.http.slow_clients import PacedResponse, send_in_time
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.settings import Settings
-from dock_gateway.storage import History
 
 router = APIRouter(route_class=ApiRoute)
 
-MAX_GOALS = 100
-Uuid = Annotated[str, StringConstraints(pattern=r"^[0-9a-f-]{36}$")]
 MCAP = "application/x-mcap"
 # Bytes that are sent at once.
 PIECE = 65_536
@@ -110,22 +105,6 @@ async def _pieces(data: memoryview) -> AsyncGenerator[bytes]:
         yield bytes(data[at : at + PIECE])
 
 
-@router.get("/goals/{goal_id}/recording", tags=["Goals"])
-@operation(Role.VIEWER, Scope.GOAL)
-async def get_recording(
-    goal_id: GoalId, goals: Part[Goals], recordings: Part[Recordings], grant: TheGrant
-) -> Answer[GoalRecording]:
-    """Return whether a goal has a recording at this gateway, or why it has none."""
-    goal = await goals.get(goal_id)
-    try:
-        found = await recordings.find(goal)
-    except NotFound as error:
-        running = recordings.is_running(goal_id)
-        return json_response({"size": None, "why_none": error.detail, "running": running, "picture": False})
-    picture = await has_picture(recordings, goal, grant)
-    return json_response({"size": found.size, "why_none": None, "running": False, "picture": picture})
-
-
 @router.get("/goals/{goal_id}/recording.mcap", tags=["Goals"], response_class=Response, responses={**RANGES})
 @operation(Role.VIEWER, Scope.GOAL, Audit.ALWAYS, errors=(429,))
 async def download_recording(
@@ -194,30 +173,6 @@ async def get_thumbnail(goal_id: GoalId, goals: Part[Goals], recordings: Part[Re
     found = await recordings.find(await goals.get(goal_id))
     data, media_type = await recordings.picture(found, grant)
     return Response(data, media_type=media_type, headers={"Cache-Control": "private, max-age=3600"})
-
-
-@router.get("/recordings", tags=["Goals"], openapi_extra=UNSTABLE)
-@operation(Role.VIEWER, Scope.LISTED)
-async def list_pictured(
-    history: Part[History],
-    recordings: Part[Recordings],
-    grant: TheGrant,
-    goal_id: Annotated[list[Uuid], Query(max_length=MAX_GOALS)],
-) -> Answer[PicturedGoals]:
-    """Return which of these goals have a picture, so that a list asks for the thumbnails of those only."""
-    known = await history.known(goal_id)
-    covered = [goal for goal in known.values() if grant.covers_action(goal.action_name)]
-    pictured = [goal.goal_id for goal in covered if await has_picture(recordings, goal, grant)]
-    return json_response({"goal_ids": pictured})
-
-
-async def has_picture(recordings: Recordings, goal: Goal, grant: Grant) -> bool:
-    """Return whether the recording of a goal has a picture that a grant covers."""
-    try:
-        await recordings.picture(await recordings.find(goal), grant)
-    except NotFound:
-        return False
-    return True
 
 
 @router.get("/robots/recording.mcap", tags=["Robots"], response_class=Response, responses={**FILE})

@@ -1,18 +1,20 @@
 """The JSON shapes of recordings."""
 
+from typing import Literal
+
 from dock_gateway.http.schema import Schema
 
 
 class GoalRecording(Schema):
-    """Whether a goal has a recording at this gateway: its size in bytes, or `why_none`, or it is still `running`.
+    """The recording of a goal at this gateway: it is there, still being made, or there is none, and the reason.
 
-    `picture`: whether it has a picture of a camera, for the thumbnail.
+    `size` is in bytes. `picture`: whether it has a picture of a camera, for the thumbnail.
     """
 
+    state: Literal["complete", "running", "none"]
     size: int | None
-    why_none: str | None
-    running: bool
     picture: bool
+    reason: str | None
 
 
 class ReplayScan(Schema):
@@ -44,9 +46,3 @@ class GoalReplay(Schema):
     scans: list[ReplayScan]
     velocity: list[ReplayVelocity]
     battery: list[ReplayBattery]
-
-
-class PicturedGoals(Schema):
-    """Those of the goals whose recording has a picture of a camera, for the thumbnail."""
-
-    goal_ids: list[str]

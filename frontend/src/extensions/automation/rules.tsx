@@ -1,4 +1,4 @@
-import type { AnyGoal } from "@dock-gateway/client";
+import type { LiveGoal } from "@dock-gateway/client";
 import { Anchor } from "@mantine/core";
 import { useQueryClient } from "@tanstack/react-query";
 import { useCallback, useEffect } from "react";
@@ -105,7 +105,7 @@ export function RobotRules({ robot }: { robot: string }) {
 }
 
 /** The rule that sent a goal; nothing for other goals. */
-export function GoalRule({ goal }: { goal: AnyGoal }) {
+export function GoalRule({ goal }: { goal: LiveGoal }) {
   return goal.origin === "automation" && <RuleLink goalId={goal.goal_id} />;
 }
 

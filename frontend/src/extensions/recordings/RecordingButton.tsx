@@ -1,4 +1,4 @@
-import { type AnyGoal, isTerminal } from "@dock-gateway/client";
+import { isTerminal, type LiveGoal } from "@dock-gateway/client";
 import { Button } from "@mantine/core";
 import { useFleet } from "../../fleet/context";
 import { ReasonButton } from "../../ui/ReasonButton";
@@ -10,28 +10,29 @@ import { recordingOf, recordingUrl } from "./requests";
 const AGAIN_MS = 1000;
 
 /** Whether a goal has a recording; asked again until that is complete. */
-export function useRecording(goal: AnyGoal) {
+export function useRecording(goal: LiveGoal) {
   const { http } = useFleet();
   return useAnswer({
     queryKey: ["recording", goal.goal_id, goal.finished_at],
     queryFn: () => recordingOf(http, goal.goal_id),
-    refetchInterval: ({ state }) => (isTerminal(goal.status) && state.data?.running ? AGAIN_MS : false),
+    refetchInterval: ({ state }) =>
+      isTerminal(goal.status) && state.data?.state === "running" ? AGAIN_MS : false,
   });
 }
 
 /** What the robot's camera saw last, of a goal that has a recording. */
-export function RecordedPicture({ goal }: { goal: AnyGoal }) {
+export function RecordedPicture({ goal }: { goal: LiveGoal }) {
   const { data } = useRecording(goal);
   return data?.picture === true ? <GoalPicture goalId={goal.goal_id} /> : null;
 }
 
 /** Downloads what was heard of the robot while a goal ran; without a recording it says why there is none. */
-export function RecordingButton({ goal }: { goal: AnyGoal }) {
+export function RecordingButton({ goal }: { goal: LiveGoal }) {
   const { data } = useRecording(goal);
-  if (data === undefined) return null;
+  if (data == null) return null;
   if (data.size === null) {
     return (
-      <ReasonButton variant="default" size="compact-sm" reason={data.why_none ?? "There is none."}>
+      <ReasonButton variant="default" size="compact-sm" reason={data.reason ?? "There is none."}>
         Recording
       </ReasonButton>
     );

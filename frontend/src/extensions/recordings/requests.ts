@@ -6,22 +6,14 @@ export type GoalRecording = components["schemas"]["GoalRecording"];
 
 const one = (goalId: string) => ({ params: { path: { goal_id: goalId } }, signal: deadline() });
 
-/** Whether there is a recording of a goal, or why there is none. Every failure is a ClientError. */
-export function recordingOf(http: Http, goalId: string): Promise<GoalRecording> {
-  return settle(http.GET("/goals/{goal_id}/recording", one(goalId)));
+/** Whether there is a recording of a goal, or why there is none; null where nobody can tell. */
+export async function recordingOf(http: Http, goalId: string): Promise<GoalRecording | null> {
+  return (await settle(http.GET("/goals/{goal_id}", one(goalId)))).recording ?? null;
 }
 
 /** What the replay shows of a recording. */
 export function replayOf(http: Http, goalId: string): Promise<GoalReplay> {
   return settle(http.GET("/goals/{goal_id}/replay", one(goalId)));
-}
-
-/** Which of some goals have a picture in their recordings. */
-export async function picturedGoals(http: Http, goalIds: readonly string[]): Promise<string[]> {
-  const { goal_ids = [] } = await settle(
-    http.GET("/recordings", { params: { query: { goal_id: [...goalIds] } }, signal: deadline() }),
-  );
-  return goal_ids;
 }
 
 /** Where the last picture of the robot's camera in the recording of a goal is. */

@@ -6,9 +6,14 @@ import { goal, START } from "../../events";
 import { fakeGateway, renderWithin, robotServices } from "../../page";
 
 it("has the recording with its size once it is complete, and says why there is none", async () => {
-  let answer: object = { size: null, why_none: "The goal is being recorded.", running: true, picture: false };
+  let recording: object = {
+    state: "running",
+    size: null,
+    picture: false,
+    reason: "The goal is being recorded.",
+  };
   vi.stubGlobal("fetch", async (request: Request) =>
-    request.url.endsWith("/goals/a/recording") ? Response.json(answer) : Response.json({}, { status: 404 }),
+    request.url.endsWith("/goals/a") ? Response.json({ recording }) : Response.json({}, { status: 404 }),
   );
   const ended = goal("a", { status: "succeeded", finished_at: new Date(START).toISOString() });
   renderWithin(
@@ -22,7 +27,7 @@ it("has the recording with its size once it is complete, and says why there is n
     "true",
   );
   expect(screen.getByText("The goal is being recorded.")).toBeDefined();
-  answer = { size: 3_400_000, why_none: null, running: false, picture: true };
+  recording = { state: "complete", size: 3_400_000, picture: true, reason: null };
   const link = await screen.findByRole("link", { name: "Recording, 3.4 MB" }, { timeout: 5000 });
   expect(link.getAttribute("href")).toBe("/goals/a/recording.mcap");
   const picture = screen.getByRole("img", { name: "What the robot's camera saw last" });

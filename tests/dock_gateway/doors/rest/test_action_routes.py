@@ -11,10 +11,11 @@ from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.errors import InvalidField, MalformedRequest
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.core.request import PERMIT
-from dock_gateway.doors.rest.sent_goals import ACTION, GoalsAt, routes_of
+from dock_gateway.doors.rest.sent_goals import ACTION, Target, routes_of
+from dock_gateway.goals.goal_documents import GoalDocuments
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.http.parts import Parts
-from tests.support.history import make_goal
+from tests.support.history import HistoryInMemory, make_goal
 from tests.support.permits import permit
 from tests.support.requests import request
 
@@ -22,7 +23,7 @@ from tests.support.requests import request
 async def send(name: str, asked: Request, parts: Parts) -> None:
     """Send a goal to an action."""
     (endpoint,) = (route.endpoint for route in routes_of(ACTION).routes if route.name == "send_action_goal")
-    await endpoint(asked, parts, ANYBODY, GoalsAt(f"/actions/{name}/goals", action=f"/{name}"))
+    await endpoint(asked, parts, ANYBODY, Target(action=f"/{name}"))
 
 
 def having(action: Any) -> Parts:
@@ -33,7 +34,7 @@ def having(action: Any) -> Parts:
         return action
 
     actions: Any = SimpleNamespace(find=find)
-    return Parts({ActionRegistry: actions})
+    return Parts({ActionRegistry: actions, GoalDocuments: GoalDocuments(HistoryInMemory())})
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,6 @@ from dock_gateway.core.grant import UNLIMITED, Grant, Role
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.action import Action
 from dock_gateway.goals.docking_hints import DockingHints
-from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.parts import Parts
@@ -27,10 +26,9 @@ from dock_gateway.latch.latch_file import LatchFile
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.robots.robots import Robots
 from dock_gateway.settings import Settings
-from dock_gateway.storage import GoalFilter
 from dock_gateway.streams.commands import COMMANDS
 from tests.support.audit import audit_parts
-from tests.support.history import HistoryInMemory, make_goal
+from tests.support.history import HistoryInMemory
 from tests.support.robot_actions import make_robot_actions
 
 SETTINGS = Settings(authentication=True, database_url="sqlite:////nowhere")
@@ -68,7 +66,6 @@ class LateServer(Parts):
 
     def __init__(self) -> None:
         self.logins = Logins(HistoryInMemory())
-        self.wanted: list[GoalFilter] = []
         robot_actions = make_robot_actions(SETTINGS)
         robots: Any = SimpleNamespace(default_namespace="/", get=lambda name: SimpleNamespace(namespace=name))
         actions = LateActions(robots, robot_actions)
@@ -83,13 +80,8 @@ class LateServer(Parts):
                 RobotRegistry: robots,
                 RobotActions: robot_actions,
                 DockingHints: DockingHints(SETTINGS, actions, robots),
-                Goals: SimpleNamespace(page=self._page),
             }
         )
-
-    async def _page(self, wanted: GoalFilter, limit: int, before: str | None) -> tuple[list[Any], None]:
-        self.wanted.append(wanted)
-        return [], None
 
 
 @pytest.fixture
@@ -118,20 +110,3 @@ async def test_no_goal_is_sent_to_such_an_action_on_a_websocket(parts: LateServe
     with pytest.raises(NotAllowed) as refused:
         await COMMANDS["send_goal"](parts, principal, {"robot": "/robot1"})
     assert refused.value.code == "not_allowed"
-
-
-@pytest.mark.parametrize(
-    ("path", "own", "other"),
-    [
-        ("/dock", "/robot1/connect_to_charging_dock", "/robot1/dock_robot"),
-        ("/undock", "/robot1/disconnect_from_charging_dock", "/robot1/undock_robot"),
-    ],
-)
-def test_goals_of_other_actions_are_not_listed(
-    client: TestClient, parts: LateServer, path: str, own: str, other: str
-) -> None:
-    with client:
-        assert client.get(path, params={"robot": "/robot1"}).status_code == 200
-    (wanted,) = parts.wanted
-    assert wanted.matches(make_goal(1, action=own))
-    assert not wanted.matches(make_goal(2, action=other))

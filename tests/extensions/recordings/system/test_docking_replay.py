@@ -68,8 +68,8 @@ def test_a_recorded_goal_is_replayed(domain: int, observer: Observer, tmp_path: 
             wait_until(lambda: gateway.goal(goal_id)["feedback_count"] > 30, "three seconds of turning")
         with observer.publishing(CHARGING, "battery_status"):
             gateway.wait_for_goal(goal_id, "succeeded")
-        path = f"/goals/{goal_id}/recording"
-        wait_until(lambda: gateway.http.get(path).json()["size"], "the recording")
+        path = f"/goals/{goal_id}"
+        wait_until(lambda: gateway.http.get(path).json()["recording"]["size"], "the recording")
         recording = tmp_path / "goal.mcap"
         recording.write_bytes(gateway.http.get(f"{path}.mcap").content)
 
@@ -108,8 +108,8 @@ def docking(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         with busy(1):
             goal_id = gateway.http.post("/dock").raise_for_status().json()["goal_id"]
             gateway.wait_for_goal(goal_id, "succeeded")
-        path = f"/goals/{goal_id}/recording"
-        wait_until(lambda: gateway.http.get(path).raise_for_status().json()["size"], "the recording")
+        path = f"/goals/{goal_id}"
+        wait_until(lambda: gateway.http.get(path).raise_for_status().json()["recording"]["size"], "the recording")
         file.write_bytes(gateway.http.get(f"{path}.mcap").raise_for_status().content)
         yield file
 

@@ -37,7 +37,7 @@ def send(gateway: RunningGateway, status: int) -> str:
 
 def wait_for_recording(gateway: RunningGateway, goal_id: str) -> int:
     size: int = wait_until(
-        lambda: gateway.http.get(f"/goals/{goal_id}/recording").raise_for_status().json()["size"], "the recording"
+        lambda: gateway.http.get(f"/goals/{goal_id}").raise_for_status().json()["recording"]["size"], "the recording"
     )
     return size
 
@@ -95,14 +95,9 @@ def test_a_failed_goal_leaves_a_recording_also_if_the_gateway_is_killed(domain: 
             wait_for_recording(again, interrupted)
             messages = download(again, f"/goals/{interrupted}/recording.mcap", tmp_path)
             assert UUID(interrupted).bytes in {each.goal_id.uuid.tobytes() for each in messages[FEEDBACK]}
-            assert again.http.get(f"/goals/{goal_id}/recording").json() == {
-                "size": size,
-                "why_none": None,
-                "running": False,
-                "picture": False,
-            }
-            asked = {"goal_id": [goal_id, interrupted]}
-            assert again.http.get("/recordings", params=asked).json() == {"goal_ids": []}
+            known = again.http.get(f"/goals/{goal_id}").json()
+            assert known["recording"] == {"state": "complete", "size": size, "picture": False, "reason": None}
+            assert known in again.http.get("/goals").json()["goals"]
 
 
 def check_download(gateway: RunningGateway, goal_id: str, size: int) -> None:

@@ -53,7 +53,7 @@ def dock(hub: RunningHub, site: RunningGateway, name: str = "berlin") -> str:
     answer = hub.http.post(f"/sites/{name}/dock", json={"desired_battery_state": CHARGING})
     assert answer.status_code == 202, answer.text
     goal_id: str = answer.json()["goal_id"]
-    assert answer.headers["location"] == f"/sites/{name}/dock/{goal_id}"
+    assert answer.headers["location"] == f"/sites/{name}/goals/{goal_id}"
     return goal_id
 
 
