@@ -112,7 +112,7 @@ def test_undocking(gateway: RunningGateway) -> None:
     assert again["verb"] == "undock"
     assert gateway.wait_for_goal(again["goal_id"], "succeeded", "aborted")["status"] == "succeeded"
     assert [entry["goal_id"] for entry in gateway.http.get("/undock").json()["goals"]][1] == goal["goal_id"]
-    assert gateway.http.get(f"/undock/{goal['goal_id']}").json() == goal
+    assert gateway.http.get(f"/undock/{goal['goal_id']}").json() == gateway.goal(goal["goal_id"])
     again = gateway.http.post(f"/undock/{goal['goal_id']}/cancel")
     assert (again.status_code, again.json()["code"]) == (409, "goal_terminal")
 
