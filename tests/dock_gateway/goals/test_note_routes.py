@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from dock_gateway.core.errors import Unavailable
+from dock_gateway.extension import extensions
 from dock_gateway.goals.goal_documents import GoalDocuments
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.robot_actions import RobotActions
@@ -28,12 +29,13 @@ class Client(RouteClient):
         self.history = HistoryInMemory()
         self.history.record(make_goal(1, goal_id=GOAL))
         live: Any = SimpleNamespace(goal=lambda _: None)
-        actions = make_robot_actions()
+        actions, documents = make_robot_actions(), GoalDocuments(self.history)
+        documents.fields |= dict.fromkeys(extensions().goal_fields)
         super().__init__(
             {
                 History: self.history,
                 Goals: Goals(live, actions, self.history),
-                GoalDocuments: GoalDocuments(self.history),
+                GoalDocuments: documents,
                 RobotActions: actions,
             }
         )
