@@ -12,10 +12,10 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * List Goals
-         * @description List goals, newest first.
+         * List Dock Goals
+         * @description List goals, newest first. This is `GET /goals` with the `verb` of this path.
          */
-        get: operations["list_goals"];
+        get: operations["list_dock_goals"];
         put?: never;
         /**
          * Dock
@@ -24,46 +24,6 @@ export interface paths {
          *     An empty body asks for CHARGING, at the default dock. `dock_id` names the dock, where the docking server knows docks by name; with our own server, `nearest` means the dock that the robot is nearest to. The robot's docking server decides which further fields there are: those of its goal message are taken, too. `Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the first goal that was sent.
          */
         post: operations["dock"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/dock/{goal_id}": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /**
-         * Get Goal
-         * @description Return one goal.
-         */
-        get: operations["get_goal"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/dock/{goal_id}/cancel": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        /**
-         * Cancel Goal
-         * @description Ask the action server to cancel a goal, whoever sent it.
-         */
-        post: operations["cancel_goal"];
         delete?: never;
         options?: never;
         head?: never;
@@ -79,7 +39,7 @@ export interface paths {
         };
         /**
          * List Undock Goals
-         * @description List goals, newest first.
+         * @description List goals, newest first. This is `GET /goals` with the `verb` of this path.
          */
         get: operations["list_undock_goals"];
         put?: never;
@@ -90,46 +50,6 @@ export interface paths {
          *     An empty body asks for a battery that is not charging, 2 or 3. The robot's docking server decides which further fields there are: those of its goal message are taken, too. `Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the first goal that was sent.
          */
         post: operations["undock"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/undock/{goal_id}": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /**
-         * Get Undock Goal
-         * @description Return one goal.
-         */
-        get: operations["get_undock_goal"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/undock/{goal_id}/cancel": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        /**
-         * Cancel Undock Goal
-         * @description Ask the action server to cancel a goal, whoever sent it.
-         */
-        post: operations["cancel_undock_goal"];
         delete?: never;
         options?: never;
         head?: never;
@@ -200,46 +120,6 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/dock/{goal_id}/events": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /**
-         * Dock Events
-         * @description Stream the events of a goal as Server-Sent Events until it ends. `Last-Event-ID` resumes.
-         */
-        get: operations["dock_events"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/undock/{goal_id}/events": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /**
-         * Undock Events
-         * @description Stream the events of a goal as Server-Sent Events until it ends. `Last-Event-ID` resumes.
-         */
-        get: operations["undock_events"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
     "/goals/{goal_id}/events": {
         parameters: {
             query?: never;
@@ -252,26 +132,6 @@ export interface paths {
          * @description Stream the events of a goal as Server-Sent Events until it ends. `Last-Event-ID` resumes.
          */
         get: operations["goal_events"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/actions/{name}/goals/{goal_id}/events": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /**
-         * Action Events
-         * @description Stream the events of a goal as Server-Sent Events until it ends. `Last-Event-ID` resumes.
-         */
-        get: operations["action_events"];
         put?: never;
         post?: never;
         delete?: never;
@@ -312,26 +172,6 @@ export interface paths {
          * @description Download all matching records, newest first.
          */
         get: operations["export_audit"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/goals/{goal_id}/recording": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /**
-         * Get Recording
-         * @description Return whether a goal has a recording at this gateway, or why it has none.
-         */
-        get: operations["get_recording"];
         put?: never;
         post?: never;
         delete?: never;
@@ -395,26 +235,6 @@ export interface paths {
          * @description Return the last picture of the robot's camera in the recording of a goal.
          */
         get: operations["get_thumbnail"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/recordings": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /**
-         * List Pictured
-         * @description Return which of these goals have a picture, so that a list asks for the thumbnails of those only.
-         */
-        get: operations["list_pictured"];
         put?: never;
         post?: never;
         delete?: never;
@@ -978,15 +798,11 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /**
-         * List Notes
-         * @description Return the tags and notes of a goal.
-         */
-        get: operations["list_notes"];
+        get?: never;
         put?: never;
         /**
          * Add Note
-         * @description Add a note to a goal, which may have 100.
+         * @description Add a note to a goal, which may have 100. Returns the note.
          */
         post: operations["add_note"];
         delete?: never;
@@ -1025,7 +841,7 @@ export interface paths {
         get?: never;
         /**
          * Replace Tags
-         * @description Replace the tags of a goal.
+         * @description Replace the tags of a goal. Returns them in alphabetical order.
          */
         put: operations["replace_tags"];
         post?: never;
@@ -1043,10 +859,10 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * List All Goals
-         * @description List the goals of all actions with their tags, newest first.
+         * List Goals
+         * @description List the goals of all actions, newest first.
          */
-        get: operations["list_all_goals"];
+        get: operations["list_goals"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1063,10 +879,10 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Get Any Goal
+         * Get Goal
          * @description Return one goal, on any action.
          */
-        get: operations["get_any_goal"];
+        get: operations["get_goal"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1105,10 +921,10 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Cancel Any Goal
+         * Cancel Goal
          * @description Ask the action server to cancel a goal, whoever sent it.
          */
-        post: operations["cancel_any_goal"];
+        post: operations["cancel_goal"];
         delete?: never;
         options?: never;
         head?: never;
@@ -1122,57 +938,13 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        /**
-         * List Action Goals
-         * @description List goals, newest first.
-         */
-        get: operations["list_action_goals"];
+        get?: never;
         put?: never;
         /**
          * Send Action Goal
          * @description Send a goal. The body holds the fields of the goal message; `{}` sends its defaults.
          */
         post: operations["send_action_goal"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/actions/{name}/goals/{goal_id}": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        /**
-         * Get Action Goal
-         * @description Return one goal.
-         */
-        get: operations["get_action_goal"];
-        put?: never;
-        post?: never;
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
-    "/actions/{name}/goals/{goal_id}/cancel": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        /**
-         * Cancel Action Goal
-         * @description Ask the action server to cancel a goal, whoever sent it.
-         */
-        post: operations["cancel_action_goal"];
         delete?: never;
         options?: never;
         head?: never;
@@ -2016,71 +1788,6 @@ export interface components {
             feedback: {
                 [key: string]: unknown;
             };
-        };
-        /**
-         * ActionGoal
-         * @description A goal on any action; goal, feedback and result hold the fields of the action's messages.
-         */
-        ActionGoal: {
-            /** Goal Id */
-            goal_id: string;
-            /** Action Name */
-            action_name: string;
-            /** Action Type */
-            action_type: string;
-            /** Verb */
-            verb: ("dock" | "undock") | null;
-            status: components["schemas"]["GoalStatus"];
-            /** Stalled */
-            stalled: boolean;
-            /**
-             * Origin
-             * @enum {string}
-             */
-            origin: "gateway" | "automation" | "external";
-            /** Stage */
-            stage: string | null;
-            /** Retries */
-            retries: number | null;
-            error: components["schemas"]["GoalError"] | null;
-            /**
-             * Created At
-             * Format: date-time
-             */
-            created_at: string;
-            /**
-             * Updated At
-             * Format: date-time
-             */
-            updated_at: string;
-            /** Finished At */
-            finished_at: string | null;
-            /** Feedback Count */
-            feedback_count: number;
-            /** Last Event Id */
-            last_event_id: string | null;
-            /** Goal */
-            goal: {
-                [key: string]: unknown;
-            } | null;
-            /** Feedback */
-            feedback: {
-                [key: string]: unknown;
-            } | null;
-            /** Result */
-            result: {
-                [key: string]: unknown;
-            } | null;
-        };
-        /**
-         * ActionGoalPage
-         * @description Goals on any action, newest first.
-         */
-        ActionGoalPage: {
-            /** Goals */
-            goals: components["schemas"]["ActionGoal"][];
-            /** Next Cursor */
-            next_cursor: string | null;
         };
         /**
          * ActionInfo
@@ -3219,7 +2926,7 @@ export interface components {
         EventType: "alert.raised" | "alert.cleared" | "test";
         /**
          * ExportedGoal
-         * @description A goal with its notes and events, oldest first; `complete` is false if events are missing.
+         * @description A goal with its events, oldest first; `complete` is false if events are missing.
          */
         ExportedGoal: {
             /** Goal Id */
@@ -3272,13 +2979,14 @@ export interface components {
                 [key: string]: unknown;
             } | null;
             /** Tags */
-            tags: string[];
+            tags: string[] | null;
             /** Notes */
-            notes: components["schemas"]["Note"][];
+            notes: components["schemas"]["Note"][] | null;
             /** Complete */
             complete: boolean;
             /** Events */
             events: (components["schemas"]["ActionStatusEvent"] | components["schemas"]["ActionFeedbackEvent"] | components["schemas"]["ActionResultEvent"] | components["schemas"]["PoseEvent"])[];
+            recording: components["schemas"]["GoalRecording"] | null;
         };
         /**
          * ExtensionInfo
@@ -3430,7 +3138,10 @@ export interface components {
         };
         /**
          * Goal
-         * @description A goal of docking or undocking.
+         * @description A goal on any action, with its tags in alphabetical order, and its notes, oldest first.
+         *
+         *     These and what extensions know of it are null in answers to `POST`, which do not look them up. Tags and notes are
+         *     null, too, while the history does not answer.
          */
         Goal: {
             /** Goal Id */
@@ -3471,17 +3182,22 @@ export interface components {
             /** Last Event Id */
             last_event_id: string | null;
             /** Goal */
-            goal: components["schemas"]["DockGoal"] | {
+            goal: {
                 [key: string]: unknown;
             } | null;
             /** Feedback */
-            feedback: components["schemas"]["DockFeedback"] | {
+            feedback: {
                 [key: string]: unknown;
             } | null;
             /** Result */
-            result: components["schemas"]["DockResult"] | {
+            result: {
                 [key: string]: unknown;
             } | null;
+            /** Tags */
+            tags: string[] | null;
+            /** Notes */
+            notes: components["schemas"]["Note"][] | null;
+            recording: components["schemas"]["GoalRecording"] | null;
         };
         /**
          * GoalAck
@@ -3495,7 +3211,7 @@ export interface components {
             op: "ack";
             /** Id */
             id: string | null;
-            goal: components["schemas"]["ActionGoal"];
+            goal: components["schemas"]["LiveGoal"];
         };
         /**
          * GoalCounts
@@ -3580,18 +3296,8 @@ export interface components {
             complete: boolean;
         };
         /**
-         * GoalNotes
-         * @description The tags of a goal in alphabetical order, and its notes, oldest first.
-         */
-        GoalNotes: {
-            /** Tags */
-            tags: string[];
-            /** Notes */
-            notes: components["schemas"]["Note"][];
-        };
-        /**
          * GoalPage
-         * @description Goals, newest first.
+         * @description Goals on any action, newest first.
          */
         GoalPage: {
             /** Goals */
@@ -3601,19 +3307,22 @@ export interface components {
         };
         /**
          * GoalRecording
-         * @description Whether a goal has a recording at this gateway: its size in bytes, or `why_none`, or it is still `running`.
+         * @description The recording of a goal at this gateway: it is there, still being made, or there is none, and the reason.
          *
-         *     `picture`: whether it has a picture of a camera, for the thumbnail.
+         *     `size` is in bytes. `picture`: whether it has a picture of a camera, for the thumbnail.
          */
         GoalRecording: {
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "complete" | "running" | "none";
             /** Size */
             size: number | null;
-            /** Why None */
-            why_none: string | null;
-            /** Running */
-            running: boolean;
             /** Picture */
             picture: boolean;
+            /** Reason */
+            reason: string | null;
         };
         /**
          * GoalReplay
@@ -3950,6 +3659,61 @@ export interface components {
             groups: string[];
         };
         /**
+         * LiveGoal
+         * @description A goal on any action, as streams send it; goal, feedback and result hold the fields of the action's messages.
+         */
+        LiveGoal: {
+            /** Goal Id */
+            goal_id: string;
+            /** Action Name */
+            action_name: string;
+            /** Action Type */
+            action_type: string;
+            /** Verb */
+            verb: ("dock" | "undock") | null;
+            status: components["schemas"]["GoalStatus"];
+            /** Stalled */
+            stalled: boolean;
+            /**
+             * Origin
+             * @enum {string}
+             */
+            origin: "gateway" | "automation" | "external";
+            /** Stage */
+            stage: string | null;
+            /** Retries */
+            retries: number | null;
+            error: components["schemas"]["GoalError"] | null;
+            /**
+             * Created At
+             * Format: date-time
+             */
+            created_at: string;
+            /**
+             * Updated At
+             * Format: date-time
+             */
+            updated_at: string;
+            /** Finished At */
+            finished_at: string | null;
+            /** Feedback Count */
+            feedback_count: number;
+            /** Last Event Id */
+            last_event_id: string | null;
+            /** Goal */
+            goal: {
+                [key: string]: unknown;
+            } | null;
+            /** Feedback */
+            feedback: {
+                [key: string]: unknown;
+            } | null;
+            /** Result */
+            result: {
+                [key: string]: unknown;
+            } | null;
+        };
+        /**
          * MapEvent
          * @description The robot's map changed: not its cells, which `GET /robots/map.png` has. At most 5 times a second.
          */
@@ -4219,14 +3983,6 @@ export interface components {
         PersonList: {
             /** People */
             people: components["schemas"]["Person"][];
-        };
-        /**
-         * PicturedGoals
-         * @description Those of the goals whose recording has a picture of a camera, for the thumbnail.
-         */
-        PicturedGoals: {
-            /** Goal Ids */
-            goal_ids: string[];
         };
         /**
          * PingAck
@@ -5159,7 +4915,7 @@ export interface components {
              */
             time: string;
             /** Goals */
-            goals: (components["schemas"]["Goal"] | components["schemas"]["ActionGoal"])[];
+            goals: components["schemas"]["LiveGoal"][];
             battery: components["schemas"]["Battery"];
             battery_publisher: components["schemas"]["Publisher"];
             stop: components["schemas"]["StopState"];
@@ -5665,75 +5421,8 @@ export interface components {
             subscription: string;
         };
         /**
-         * TaggedGoal
-         * @description A goal on any action, with its tags in alphabetical order.
-         */
-        TaggedGoal: {
-            /** Goal Id */
-            goal_id: string;
-            /** Action Name */
-            action_name: string;
-            /** Action Type */
-            action_type: string;
-            /** Verb */
-            verb: ("dock" | "undock") | null;
-            status: components["schemas"]["GoalStatus"];
-            /** Stalled */
-            stalled: boolean;
-            /**
-             * Origin
-             * @enum {string}
-             */
-            origin: "gateway" | "automation" | "external";
-            /** Stage */
-            stage: string | null;
-            /** Retries */
-            retries: number | null;
-            error: components["schemas"]["GoalError"] | null;
-            /**
-             * Created At
-             * Format: date-time
-             */
-            created_at: string;
-            /**
-             * Updated At
-             * Format: date-time
-             */
-            updated_at: string;
-            /** Finished At */
-            finished_at: string | null;
-            /** Feedback Count */
-            feedback_count: number;
-            /** Last Event Id */
-            last_event_id: string | null;
-            /** Goal */
-            goal: {
-                [key: string]: unknown;
-            } | null;
-            /** Feedback */
-            feedback: {
-                [key: string]: unknown;
-            } | null;
-            /** Result */
-            result: {
-                [key: string]: unknown;
-            } | null;
-            /** Tags */
-            tags: string[];
-        };
-        /**
-         * TaggedGoalPage
-         * @description Goals on any action with their tags, newest first.
-         */
-        TaggedGoalPage: {
-            /** Goals */
-            goals: components["schemas"]["TaggedGoal"][];
-            /** Next Cursor */
-            next_cursor: string | null;
-        };
-        /**
          * Tags
-         * @description The tags of all goals, in alphabetical order.
+         * @description The tags of a goal, or of all goals, in alphabetical order.
          */
         Tags: {
             /** Tags */
@@ -6104,16 +5793,32 @@ export interface components {
 }
 export type $defs = Record<string, never>;
 export interface operations {
-    list_goals: {
+    list_dock_goals: {
         parameters: {
             query?: {
-                /** @description Only goals in these states */
-                status?: components["schemas"]["GoalStatus"][] | null;
                 limit?: number;
                 /** @description `next_cursor` of the previous page */
                 cursor?: string | null;
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Only goals on actions in this namespace or below */
                 robot?: string | null;
+                /** @description Only goals on these actions */
+                action?: string[] | null;
+                /** @description Only goals in these states */
+                status?: components["schemas"]["GoalStatus"][] | null;
+                /** @description Only goals with these error codes */
+                error?: string[] | null;
+                /** @description Only goals of this origin */
+                origin?: ("gateway" | "automation" | "external") | null;
+                /** @description At this time or later, RFC 3339 */
+                since?: string | null;
+                /** @description Before this time, RFC 3339 */
+                until?: string | null;
+                /** @description Only goals whose id begins with this: 4 or more hexadecimal digits */
+                id?: string | null;
+                /** @description Only goals with one of these tags */
+                tag?: string[] | null;
+                /** @description Only goals on actions of the robots that are in this group now */
+                group?: string | null;
             };
             header?: never;
             path?: never;
@@ -6148,35 +5853,8 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not Found */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Misdirected Request */
-            421: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
             /** @description Unprocessable Entity */
             422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Not Implemented */
-            501: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -6366,186 +6044,32 @@ export interface operations {
             };
         };
     };
-    get_goal: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                goal_id: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Goal"];
-                };
-            };
-            /** @description Unauthorized */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Forbidden */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Not Found */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Misdirected Request */
-            421: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Unprocessable Entity */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Service Unavailable */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
-    cancel_goal: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                goal_id: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            202: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Goal"];
-                };
-            };
-            /** @description Unauthorized */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Forbidden */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Not Found */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Conflict */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Misdirected Request */
-            421: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Unprocessable Entity */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Service Unavailable */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Gateway Timeout */
-            504: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
     list_undock_goals: {
         parameters: {
             query?: {
-                /** @description Only goals in these states */
-                status?: components["schemas"]["GoalStatus"][] | null;
                 limit?: number;
                 /** @description `next_cursor` of the previous page */
                 cursor?: string | null;
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Only goals on actions in this namespace or below */
                 robot?: string | null;
+                /** @description Only goals on these actions */
+                action?: string[] | null;
+                /** @description Only goals in these states */
+                status?: components["schemas"]["GoalStatus"][] | null;
+                /** @description Only goals with these error codes */
+                error?: string[] | null;
+                /** @description Only goals of this origin */
+                origin?: ("gateway" | "automation" | "external") | null;
+                /** @description At this time or later, RFC 3339 */
+                since?: string | null;
+                /** @description Before this time, RFC 3339 */
+                until?: string | null;
+                /** @description Only goals whose id begins with this: 4 or more hexadecimal digits */
+                id?: string | null;
+                /** @description Only goals with one of these tags */
+                tag?: string[] | null;
+                /** @description Only goals on actions of the robots that are in this group now */
+                group?: string | null;
             };
             header?: never;
             path?: never;
@@ -6580,35 +6104,8 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not Found */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Misdirected Request */
-            421: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
             /** @description Unprocessable Entity */
             422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Not Implemented */
-            501: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -6770,176 +6267,6 @@ export interface operations {
             };
             /** @description Not Implemented */
             501: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Service Unavailable */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Gateway Timeout */
-            504: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
-    get_undock_goal: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                goal_id: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Goal"];
-                };
-            };
-            /** @description Unauthorized */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Forbidden */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Not Found */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Misdirected Request */
-            421: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Unprocessable Entity */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Service Unavailable */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
-    cancel_undock_goal: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                goal_id: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            202: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Goal"];
-                };
-            };
-            /** @description Unauthorized */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Forbidden */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Not Found */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Conflict */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Misdirected Request */
-            421: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Unprocessable Entity */
-            422: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -7289,190 +6616,6 @@ export interface operations {
             };
         };
     };
-    dock_events: {
-        parameters: {
-            query?: {
-                /** @description `false`: without feedback */
-                feedback?: boolean | null;
-                /** @description Id of the event to resume after */
-                after?: string | null;
-                /** @description Feedback messages per second, at most */
-                max_rate?: number | null;
-            };
-            header?: never;
-            path: {
-                goal_id: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Events, each with its id */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "text/event-stream": unknown;
-                };
-            };
-            /** @description Unauthorized */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Forbidden */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Not Found */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Misdirected Request */
-            421: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Unprocessable Entity */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Too Many Requests */
-            429: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Service Unavailable */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
-    undock_events: {
-        parameters: {
-            query?: {
-                /** @description `false`: without feedback */
-                feedback?: boolean | null;
-                /** @description Id of the event to resume after */
-                after?: string | null;
-                /** @description Feedback messages per second, at most */
-                max_rate?: number | null;
-            };
-            header?: never;
-            path: {
-                goal_id: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Events, each with its id */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "text/event-stream": unknown;
-                };
-            };
-            /** @description Unauthorized */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Forbidden */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Not Found */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Misdirected Request */
-            421: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Unprocessable Entity */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Too Many Requests */
-            429: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Service Unavailable */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
     goal_events: {
         parameters: {
             query?: {
@@ -7485,100 +6628,6 @@ export interface operations {
             };
             header?: never;
             path: {
-                goal_id: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Events, each with its id */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "text/event-stream": unknown;
-                };
-            };
-            /** @description Unauthorized */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Forbidden */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Not Found */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Misdirected Request */
-            421: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Unprocessable Entity */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Too Many Requests */
-            429: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Service Unavailable */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
-    action_events: {
-        parameters: {
-            query?: {
-                /** @description `false`: without feedback */
-                feedback?: boolean | null;
-                /** @description Id of the event to resume after */
-                after?: string | null;
-                /** @description Feedback messages per second, at most */
-                max_rate?: number | null;
-            };
-            header?: never;
-            path: {
-                /** @description The name on the ROS graph; its leading slash may be left out */
-                name: string;
                 goal_id: string;
             };
             cookie?: never;
@@ -7798,82 +6847,6 @@ export interface operations {
             };
             /** @description Too Many Requests */
             429: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Service Unavailable */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
-    get_recording: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                goal_id: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["GoalRecording"];
-                };
-            };
-            /** @description Unauthorized */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Forbidden */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Not Found */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Misdirected Request */
-            421: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Unprocessable Entity */
-            422: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -8119,64 +7092,6 @@ export interface operations {
             };
             /** @description Misdirected Request */
             421: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Unprocessable Entity */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Service Unavailable */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
-    list_pictured: {
-        parameters: {
-            query: {
-                goal_id: string[];
-            };
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["PicturedGoals"];
-                };
-            };
-            /** @description Unauthorized */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Forbidden */
-            403: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -10527,6 +9442,8 @@ export interface operations {
             query?: {
                 /** @description `csv` for spreadsheets, `json` for programs */
                 format?: "csv" | "json";
+                /** @description Only goals that dock, or that undock */
+                verb?: ("dock" | "undock") | null;
                 /** @description Only goals on actions in this namespace or below */
                 robot?: string | null;
                 /** @description Only goals on these actions */
@@ -10560,7 +9477,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["TaggedGoal"][];
+                    "application/json": components["schemas"]["Goal"][];
                     "text/csv": string;
                 };
             };
@@ -10756,82 +9673,6 @@ export interface operations {
             };
         };
     };
-    list_notes: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                goal_id: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["GoalNotes"];
-                };
-            };
-            /** @description Unauthorized */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Forbidden */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Not Found */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Misdirected Request */
-            421: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Unprocessable Entity */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Service Unavailable */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
     add_note: {
         parameters: {
             query?: never;
@@ -10856,7 +9697,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["GoalNotes"];
+                    "application/json": components["schemas"]["Note"];
                 };
             };
             /** @description Bad Request */
@@ -10983,13 +9824,11 @@ export interface operations {
         requestBody?: never;
         responses: {
             /** @description Successful Response */
-            200: {
+            204: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content: {
-                    "application/json": components["schemas"]["GoalNotes"];
-                };
+                content?: never;
             };
             /** @description Unauthorized */
             401: {
@@ -11070,7 +9909,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["GoalNotes"];
+                    "application/json": components["schemas"]["Tags"];
                 };
             };
             /** @description Bad Request */
@@ -11174,12 +10013,14 @@ export interface operations {
             };
         };
     };
-    list_all_goals: {
+    list_goals: {
         parameters: {
             query?: {
                 limit?: number;
                 /** @description `next_cursor` of the previous page */
                 cursor?: string | null;
+                /** @description Only goals that dock, or that undock */
+                verb?: ("dock" | "undock") | null;
                 /** @description Only goals on actions in this namespace or below */
                 robot?: string | null;
                 /** @description Only goals on these actions */
@@ -11213,7 +10054,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["TaggedGoalPage"];
+                    "application/json": components["schemas"]["GoalPage"];
                 };
             };
             /** @description Unauthorized */
@@ -11254,7 +10095,7 @@ export interface operations {
             };
         };
     };
-    get_any_goal: {
+    get_goal: {
         parameters: {
             query?: never;
             header?: never;
@@ -11271,7 +10112,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["ActionGoal"];
+                    "application/json": components["schemas"]["Goal"];
                 };
             };
             /** @description Unauthorized */
@@ -11412,7 +10253,7 @@ export interface operations {
             };
         };
     };
-    cancel_any_goal: {
+    cancel_goal: {
         parameters: {
             query?: never;
             header?: never;
@@ -11429,7 +10270,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["ActionGoal"];
+                    "application/json": components["schemas"]["Goal"];
                 };
             };
             /** @description Unauthorized */
@@ -11506,98 +10347,6 @@ export interface operations {
             };
         };
     };
-    list_action_goals: {
-        parameters: {
-            query?: {
-                /** @description Only goals in these states */
-                status?: components["schemas"]["GoalStatus"][] | null;
-                limit?: number;
-                /** @description `next_cursor` of the previous page */
-                cursor?: string | null;
-            };
-            header?: never;
-            path: {
-                /** @description The name on the ROS graph; its leading slash may be left out */
-                name: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["ActionGoalPage"];
-                };
-            };
-            /** @description Unauthorized */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Forbidden */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Not Found */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Misdirected Request */
-            421: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Unprocessable Entity */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Not Implemented */
-            501: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Service Unavailable */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
     send_action_goal: {
         parameters: {
             query?: never;
@@ -11624,7 +10373,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["ActionGoal"];
+                    "application/json": components["schemas"]["Goal"];
                 };
             };
             /** @description Successful Response */
@@ -11633,7 +10382,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["ActionGoal"];
+                    "application/json": components["schemas"]["Goal"];
                 };
             };
             /** @description Bad Request */
@@ -11737,180 +10486,6 @@ export interface operations {
             };
             /** @description Not Implemented */
             501: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Service Unavailable */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Gateway Timeout */
-            504: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
-    get_action_goal: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                goal_id: string;
-                /** @description The name on the ROS graph; its leading slash may be left out */
-                name: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["ActionGoal"];
-                };
-            };
-            /** @description Unauthorized */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Forbidden */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Not Found */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Misdirected Request */
-            421: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Unprocessable Entity */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Service Unavailable */
-            503: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
-    cancel_action_goal: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                goal_id: string;
-                /** @description The name on the ROS graph; its leading slash may be left out */
-                name: string;
-            };
-            cookie?: never;
-        };
-        requestBody?: never;
-        responses: {
-            /** @description Successful Response */
-            202: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["ActionGoal"];
-                };
-            };
-            /** @description Unauthorized */
-            401: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Forbidden */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Not Found */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Conflict */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Misdirected Request */
-            421: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Unprocessable Entity */
-            422: {
                 headers: {
                     [name: string]: unknown;
                 };
