@@ -84,7 +84,7 @@ def test_a_goal_moves_the_counters(gateway: RunningGateway) -> None:
     assert more("events_sent_total", kind="feedback") >= 3
     assert more("http_requests_total", method="POST", route="/dock", status="202") == 1
     assert more("http_requests_total", method="GET", route="/ws/feedback", status="101") == 1
-    assert more("http_response_seconds_count", method="POST", route="/dock") == 1
+    assert more("http_request_duration_seconds_count", method="POST", route="/dock") == 1
     measured = "event_loop_lag_seconds_count"
     wait_until(lambda: Scrape(gateway).value(measured) > before.value(measured), "a measurement, twice a second")
 
@@ -101,8 +101,8 @@ def test_the_state_of_the_gateway(gateway: RunningGateway) -> None:
             ("dds_participants", {}, 1),
             ("robots", {}, 1),
             ("robots_stopped", {}, 0),
-            ("running_goals", {"verb": "dock"}, 1),
-            ("lost_goals", {"verb": "dock"}, 0),
+            ("goals_running", {"verb": "dock"}, 1),
+            ("goals_missing", {"verb": "dock"}, 0),
             ("action_servers", {"state": "available"}, 1),
             ("stream_subscribers", {}, 1),
             ("websockets", {"route": "/ws/feedback"}, 1),

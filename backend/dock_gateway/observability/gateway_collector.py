@@ -26,7 +26,7 @@ class GatewayCollector(PartsCollector):
 
     def _actions(self) -> Iterator[Metric]:
         yield counter(
-            "feedback_unread",
+            "feedback_dropped",
             "Feedback messages that were too large or came too fast to be read",
             self.parts[ActionRegistry].feedback_dropped,
         )
@@ -45,8 +45,8 @@ class GatewayCollector(PartsCollector):
         servers["not_installed"] = len(actions.uninstalled())
         yield gauges("action_servers", "Action servers by state", "state", servers)
         for name, text, goals in (
-            ("running_goals", "Goals that have not ended", actions.running()),
-            ("lost_goals", "Goals that are lost and may return", actions.lost()),
+            ("goals_running", "Goals that have not ended", actions.running()),
+            ("goals_missing", "Goals that are lost and may return", actions.lost()),
         ):
             verbs = Counter(dict.fromkeys(VERBS, 0))
             verbs.update(verb_of(goal) for goal in goals)

@@ -34,7 +34,7 @@ class RequestMetrics:
             registry=registry,
         )
         self._response_time = Histogram(
-            "http_response_seconds",
+            "http_request_duration_seconds",
             "Time from a request to the beginning of its response",
             ["method", "route"],
             namespace=NAMESPACE,

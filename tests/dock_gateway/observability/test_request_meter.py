@@ -40,7 +40,7 @@ def test_a_route_is_one_series_whatever_the_path(client: Client) -> None:
     for number in range(5):
         assert client.http.get(f"/ui/{number}").status_code == 200
     assert client.requests("GET", "/ui/{path:path}", 200) == 5
-    assert client.value("http_response_seconds_count", method="GET", route="/ui/{path:path}") == 5
+    assert client.value("http_request_duration_seconds_count", method="GET", route="/ui/{path:path}") == 5
     assert client.value("http_requests_in_progress") == 0
 
 

@@ -46,6 +46,11 @@ def goal_document(goal: Goal) -> dict[str, Any]:
     return shown | {"ended": goal.status.terminal}
 
 
+def _percent(percentage: float | None) -> float | None:
+    """Return in percent what ROS counts from 0 to 1: a model would take 0.24 for a quarter of a percent."""
+    return None if percentage is None else round(100 * percentage, 1)
+
+
 @carries_out(fleet.list_robots)
 async def list_robots(parts: Parts, principal: Principal, _: Fields) -> Fields:
     """List the robots: where they are, how charged, whether they are stopped."""
@@ -55,7 +60,7 @@ async def list_robots(parts: Parts, principal: Principal, _: Fields) -> Fields:
 def _robot(document: Mapping[str, Any]) -> dict[str, Any]:
     robot = orjson.loads(encode(document))
     return {name: robot[name] for name in ("name", "display_name", "simulated", "docked", "charging")} | {
-        "battery_percentage": robot["battery"].get("percentage"),
+        "battery_percent": _percent(robot["battery"].get("percentage")),
         "stopped": robot["stop"]["latched"],
         "stopped_by": robot["stop"].get("by"),
         "can_dock": robot["dock"] is not None,

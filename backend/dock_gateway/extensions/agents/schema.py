@@ -146,14 +146,17 @@ class Explanation(Schema):
 
 
 class RobotState(Schema):
-    """A robot. `stopped`: it takes no goals until a supervisor releases the stop, which no tool can do."""
+    """A robot. `battery_percent` is from 0 to 100.
+
+    `stopped`: it takes no goals until a supervisor releases the stop, which no tool can do.
+    """
 
     name: str
     display_name: str | None
     simulated: bool
     docked: bool | None
     charging: bool | None
-    battery_percentage: float | None
+    battery_percent: float | None
     stopped: bool
     stopped_by: str | None
     can_dock: bool
