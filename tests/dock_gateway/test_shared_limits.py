@@ -58,6 +58,7 @@ BOUNDS = {
     "graph.service_calls:ServiceCalls._client": OLDEST_GO,
     "http.edge.forwarded:ForwardedHeaders._report": OF_GATEWAY,
     "http.edge.http:HttpProtocol.handle_websocket_upgrade": OF_ADDRESS,
+    "http.edge.http:HttpProtocol.refuse_input": OF_ADDRESS,
     "http.edge.websocket:WebSocketProtocol.handle_events": OF_CONNECTION,
     "http.quotas:Quotas._require_room": SHARES,
     "http.quotas:Quotas.spend_goal": OF_USER,

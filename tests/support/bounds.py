@@ -10,7 +10,14 @@ import dock_hub
 
 ROOT, OF_HUB = (Path(each.__file__).parent for each in (dock_gateway, dock_hub))
 # What waits for its turn or refuses: of one process, and so of all its users.
-PLACES = {"Semaphore", "BoundedSemaphore", "ThreadPoolExecutor", "ProcessPoolExecutor", "TooManyRequests"}
+PLACES = {
+    "Semaphore",
+    "BoundedSemaphore",
+    "ThreadPoolExecutor",
+    "ProcessPoolExecutor",
+    "TooManyRequests",
+    "limit_reached",
+}
 CODE = re.compile(r"too_many_\w*")
 NUMBER = re.compile(r"_?(MAX|MOST|KEEP|KEPT)_?|.*_(most|max_\w+|limits)$|.*(AT_ONCE|REMEMBERED|WAITING|HARD_LIMIT)$")
 # These have no users: programs of their own, and what only translates.

@@ -131,8 +131,8 @@ def test_the_document_has_the_model_and_the_errors(app: FastAPI) -> None:
 
     assert answers("/found")["200"]["content"]["application/json"]["schema"]["$ref"].endswith("/Found")
     assert {*answers("/found")} == {"200", "401", "403", "409", "421", "422", "503"}
-    assert {*answers("/found", "put")} == {"200", "400", "403", "408", "413", "415", "422"}
-    assert {*answers("/raw", "put")} == {"200", "400", "401", "403", "408", "413", "415", "422", "503"}
+    assert {*answers("/found", "put")} == {"200", "400", "403", "408", "413", "415", "422", "429"}
+    assert {*answers("/raw", "put")} == {"200", "400", "401", "403", "408", "413", "415", "422", "429", "503"}
     assert {*answers("/any")} == {"200", "403"}
 
 
