@@ -209,7 +209,7 @@ def test_the_command_line(gateway: RunningGateway, shared_domain: int) -> None:
     def run(*arguments: str) -> ForkedProcess:
         return ForkedProcess("dock-gateway", *arguments, "--url", gateway.url, env=ros_environment(shared_domain))
 
-    with run("battery", "--status", "not-charging", "--percentage", "0.24", "--rate", "5") as command:
+    with run("battery", "publish", "--status", "not-charging", "--percentage", "0.24", "--rate", "5") as command:
         assert command.wait() == 0
     with run("dock") as dock:
         dock.wait_for("NOT CHARGING, 24%")
@@ -217,14 +217,28 @@ def test_the_command_line(gateway: RunningGateway, shared_domain: int) -> None:
             assert cancel.wait() == 0
         dock.wait_for("canceled")
         assert dock.wait() == 1
-    with run("battery", "--status", "charging", "--rate", "5") as command:
+    with run("battery", "publish", "--status", "charging", "--rate", "5") as command:
         assert command.wait() == 0
     with run("dock") as dock:
         dock.wait_for("succeeded")
         assert dock.wait() == 0
-    with run("battery") as command:
-        command.wait_for("CHARGING")
+    for arguments, shown in (
+        (["battery"], "CHARGING"),
+        (["robots"], "docked"),
+        (["robots", "--json"], '"name":"/"'),
+        (["goals", "--status", "canceled", "--since", "1h"], "/connect_to_charging_dock"),
+        (["docks"], "knows no docks by name"),
+        (["alerts"], ""),
+        (["api", "/goals", "-f", "limit=1"], '"succeeded"'),
+        (["--json", "goals", "--limit", "1"], '"succeeded"'),
+    ):
+        with run(*arguments) as command:
+            command.wait_for(shown)
+            assert command.wait() == 0
+    with run("battery", "unpublish") as command:
+        command.wait_for("publishing has stopped")
         assert command.wait() == 0
+    gateway.publish(CHARGING)
     with run("stop", "--by", "Ada") as command:
         command.wait_for("zero velocity published")
         command.wait_for("goals are refused until the stop is released")
