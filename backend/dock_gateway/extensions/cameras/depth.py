@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dock_gateway.extensions.cameras.png import START, read_png
+from dock_gateway.core.png import SIGNATURE
+from dock_gateway.extensions.cameras.png import read_png
 
 # What compressedDepth of image_transport puts before a PNG: a number that says nothing, and two that a depth in metres
 # is packed with.
@@ -36,8 +37,8 @@ def read_depth(data: bytes, name: str) -> DepthImage | None:
         Unreadable: It is damaged or too large.
     """
     encoding = name.partition(";")[0].strip()
-    is_packed = data.startswith(START, _HEADER.size)
-    if not is_packed and (not data.startswith(START) or encoding == _GRAY):  # which browsers show as it is meant
+    is_packed = data.startswith(SIGNATURE, _HEADER.size)
+    if not is_packed and (not data.startswith(SIGNATURE) or encoding == _GRAY):  # which browsers show as it is meant
         return None
     png = read_png(data[_HEADER.size :] if is_packed else data)
     if not png.is_gray16:

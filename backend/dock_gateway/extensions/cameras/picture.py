@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from dock_gateway.core.png import SIGNATURE
 from dock_gateway.extensions.cameras.camera import COMPRESSED, IMAGE
 from dock_gateway.extensions.cameras.depth import read_depth
 from dock_gateway.extensions.cameras.jpeg import find_jpeg, read_jpeg
 from dock_gateway.extensions.cameras.pixels import Unreadable, encode
-from dock_gateway.extensions.cameras.png import START, read_png
+from dock_gateway.extensions.cameras.png import read_png
 from dock_gateway.graph.received import Received
 
 # The largest message that is read, in bytes, and the most pixels of a picture: 4K in colour fits.
@@ -113,7 +114,7 @@ def _encoded(image: Any, quality: int, received_ns: int) -> Picture:
 
 
 def _as_it_is(data: bytes, name: str, received_ns: int) -> Picture:
-    if data.startswith(START):
+    if data.startswith(SIGNATURE):
         png = read_png(data)
         data, kind, width, height = png.data, PNG, png.width, png.height
     elif (start := find_jpeg(data)) >= 0:

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from dock_gateway.core.png import SIGNATURE
 from dock_gateway.extensions.cameras.pixels import Unreadable
 
-START = b"\x89PNG\r\n\x1a\n"
 _HEADER_SIZE = 33
 # The largest PNG whose numbers are read: it takes about a microsecond a pixel, and 50 a row and column.
 MAX_NUMBERS, MAX_SIDE = 4_200_000, 8_192
@@ -61,7 +61,7 @@ def read_png(data: bytes) -> Png:
     Raises:
         Unreadable: It is cut off before its picture.
     """
-    at, has_picture = len(START), False
+    at, has_picture = len(SIGNATURE), False
     for kind, content in _chunks(data):
         at += 12 + len(content)
         has_picture = has_picture or (kind == b"IDAT" and bool(content))
@@ -75,7 +75,7 @@ def read_png(data: bytes) -> Png:
 
 def _chunks(data: bytes) -> Any:
     """Yield the kind and the content of each chunk; the last one may be cut off."""
-    at = len(START)
+    at = len(SIGNATURE)
     while at + 8 <= len(data):
         size = int.from_bytes(data[at : at + 4])
         yield data[at + 4 : at + 8], data[at + 8 : at + 8 + size]

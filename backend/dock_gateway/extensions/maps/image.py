@@ -5,12 +5,12 @@ import zlib
 
 import numpy as np
 
+from dock_gateway.core.png import SIGNATURE, chunk
 from dock_gateway.extensions.maps.grid import Cells
 
 # The indices of the palette: 0 to 100 as in the map, and one for all that is unknown.
 OCCUPIED, UNKNOWN = 100, 101
 _FAST = 1
-_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _DEPTH, _PALETTE = 8, 3
 
 Color = tuple[int, int, int, int]
@@ -25,7 +25,7 @@ def encode(cells: Cells) -> bytes:
     rows = np.empty((height, width + 1), dtype=np.uint8)
     rows[:, 0] = 0  # no filter
     np.minimum(cells.view(np.uint8)[::-1], np.uint8(UNKNOWN), out=rows[:, 1:])
-    return _chunk(b"IDAT", zlib.compress(rows.data, _FAST))
+    return chunk(b"IDAT", zlib.compress(rows.data, _FAST))
 
 
 def image(pixels: bytes, width: int, height: int, colors: tuple[Color, Color, Color]) -> tuple[bytes, bytes, bytes]:
@@ -42,10 +42,6 @@ def image(pixels: bytes, width: int, height: int, colors: tuple[Color, Color, Co
     free, occupied, unknown = colors
     steps = np.linspace(free, occupied, OCCUPIED + 1).round().astype(np.uint8)
     table = np.vstack((steps, np.array([unknown], dtype=np.uint8)))
-    header = _chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, _DEPTH, _PALETTE, 0, 0, 0))
-    palette = _chunk(b"PLTE", table[:, :3].tobytes()) + _chunk(b"tRNS", table[:, 3].tobytes())
-    return _SIGNATURE + header + palette, pixels, _chunk(b"IEND", b"")
-
-
-def _chunk(kind: bytes, data: bytes) -> bytes:
-    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    header = chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, _DEPTH, _PALETTE, 0, 0, 0))
+    palette = chunk(b"PLTE", table[:, :3].tobytes()) + chunk(b"tRNS", table[:, 3].tobytes())
+    return SIGNATURE + header + palette, pixels, chunk(b"IEND", b"")

@@ -10,6 +10,7 @@ from dock_gateway.core.errors import NotFound
 from dock_gateway.core.event import nanoseconds
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.grant import Grant
+from dock_gateway.core.png import SIGNATURE
 from dock_gateway.extensions.recordings.mcap_file import McapFile
 from dock_gateway.extensions.recordings.recorder import Recorder
 from dock_gateway.extensions.recordings.replay import Replay
@@ -21,7 +22,7 @@ from robot_io.recording import EVENTS, Sample, read
 OFF = "Recordings are switched off (`--recordings none`)."
 # Recordings of which it is remembered whether they have a picture: each has to be opened for that.
 PICTURES_KNOWN = 10_000
-PICTURES = {b"\xff\xd8\xff": "image/jpeg", b"\x89PNG\r\n\x1a\n": "image/png"}
+PICTURES = {b"\xff\xd8\xff": "image/jpeg", SIGNATURE: "image/png"}
 
 
 class Recordings:

@@ -5,6 +5,8 @@ import struct
 import zlib
 from itertools import chain
 
+from dock_gateway.core.png import SIGNATURE, chunk
+
 _PIXEL = 3  # bytes, of 8 bits for each of red, green and blue
 _FAST = 1
 
@@ -18,8 +20,4 @@ def encode(text: bytes) -> bytes:
     rows = chain.from_iterable((b"\0", filled[start : start + row]) for start in range(0, len(filled), row))
     header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
     chunks = ((b"IHDR", header), (b"IDAT", zlib.compress(b"".join(rows), _FAST)), (b"IEND", b""))
-    return b"\x89PNG\r\n\x1a\n" + b"".join(_chunk(kind, data) for kind, data in chunks)
-
-
-def _chunk(kind: bytes, data: bytes) -> bytes:
-    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    return SIGNATURE + b"".join(chunk(kind, data) for kind, data in chunks)
