@@ -53,7 +53,7 @@ function JoinHint() {
     <Stack gap={4} data-testid="join">
       <Text size="sm">
         No docking server is in this robot's namespace, but one without a battery is in another. If it is this
-        robot's, set this where the gateway is started, and restart it:
+        robot's, set this in the gateway's configuration file, and restart it:
       </Text>
       {join.settings.map((line) => (
         <Command key={line} line={line} what="the setting" />
