@@ -207,7 +207,7 @@ class Overview:
 
     # ------------------------------------------------------------------ streams
 
-    async def snapshot(self, event_filter: EventFilter) -> Event:
+    async def snapshot(self, event_filter: EventFilter, position: str) -> Event:
         """Return recent goals; all robots, alerts and sites if asked for."""
         goals = await self._goals.recent(event_filter)
         grant = event_filter.grant or UNLIMITED
@@ -222,6 +222,7 @@ class Overview:
         return notice(
             "snapshot",
             utc_now(),
+            position=position,
             ends_goal=event_filter.goal_id is not None and all(goal.status.terminal for goal in goals),
             goals=[goal.document() for goal in goals],
             stop={"latched": False, "since": None, "by": None, "robots": [], "persisted": True},

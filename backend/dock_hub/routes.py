@@ -18,7 +18,7 @@ from dock_gateway.http.bodies import SignedBody
 from dock_gateway.http.operation import Scope, carries_out, operation, public_operation
 from dock_gateway.http.parts import AllParts, Part, Parts
 from dock_gateway.http.principal import TheGrant, principal_of
-from dock_gateway.http.requests import Answer, RobotQuery, json_response
+from dock_gateway.http.requests import WITH_POSITION, Answer, RobotQuery, json_response, list_response
 from dock_gateway.http.resource import ChangeCondition, Item, item_response, removed
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.sites.broker import Broker
@@ -66,20 +66,23 @@ async def forget_site(site: SiteName, sites: Part[Sites], stops: Part[Stops]) ->
     return Response(status_code=204)
 
 
-@router.get("/robots", tags=["Robots"])
+@router.get("/robots", tags=["Robots"], responses=WITH_POSITION)
 @operation(Role.VIEWER, Scope.LISTED, errors=(404,))
-async def list_robots(overview: Part[Overview], grant: TheGrant, robot: RobotQuery = None) -> Answer[SiteRobotList]:
+async def list_robots(
+    overview: Part[Overview], fanout: Part[Fanout], grant: TheGrant, robot: RobotQuery = None
+) -> Answer[SiteRobotList]:
     """List the robots of all sites, or only those at or below `robot`: `/berlin` is a whole site.
 
     Those of a site that is not connected are as they were then.
     """
+    position = fanout.position  # before the list
     if robot is None:
-        return json_response({"robots": overview.robots(grant)})
+        return list_response({"robots": overview.robots(grant)}, position)
     name = overview.find(robot)
     found = overview.robots(grant, name)
     if not found and not grant.covers_robot(read_namespace(robot)):
         raise not_covered(f"the robot {name}")
-    return json_response({"robots": found})
+    return list_response({"robots": found}, position)
 
 
 @router.get("/alerts", tags=["Alerts"])

@@ -189,6 +189,7 @@ export function goal(id: string, change: Partial<LiveGoal> = {}): LiveGoal {
 export function snapshot(change: Partial<EventOf<"snapshot">> = {}): EventOf<"snapshot"> {
   return {
     type: "snapshot",
+    id: "00000000000000000000-s-none",
     time: at(0),
     goals: [],
     battery: {

@@ -116,7 +116,7 @@ it("asks for a goal whose end another gateway did not tell", async () => {
   socket.emit(
     status("a"),
     { type: "resumed", time: at(2), after: "0", count: 0 },
-    { type: "heartbeat", time: at(2) },
+    { type: "heartbeat", id: "1", time: at(2) },
   );
   const error = await waiting.catch((reason: ClientError) => reason);
   expect(error).toMatchObject({ name: "GoalFailed", code: "stalled", state: { status: "aborted" } });

@@ -41,7 +41,7 @@ describe("the scenes of all robots", () => {
     const listener = vi.fn();
     const forget = scenes.subscribe(listener);
     expect(scenes.frames).toBeNull();
-    scenes.onEvent({ type: "heartbeat", time: at(1) });
+    scenes.onEvent({ type: "heartbeat", id: "1", time: at(1) });
     expect(listener).not.toHaveBeenCalled();
     scenes.onEvent(event({ "/a": scene(1), "/b": scene(2, "odom") }));
     const { frames } = scenes;

@@ -80,8 +80,8 @@ describe("snapshot", () => {
   it("tells the difference between the clocks, and heartbeats make it better only", () => {
     const skewed = reduce(initialState, snapshot({ time: at(0) }), START + 5000);
     expect(skewed.clockSkew).toBe(5000);
-    expect(reduce(skewed, { type: "heartbeat", time: at(1) }, START + 5200).clockSkew).toBe(4200);
-    expect(reduce(skewed, { type: "heartbeat", time: at(1) }, START + 9000).clockSkew).toBe(5000);
+    expect(reduce(skewed, { type: "heartbeat", id: "1", time: at(1) }, START + 5200).clockSkew).toBe(4200);
+    expect(reduce(skewed, { type: "heartbeat", id: "1", time: at(1) }, START + 9000).clockSkew).toBe(5000);
   });
 });
 

@@ -68,7 +68,7 @@ describe("stream", () => {
     expect(kinds()).toEqual([]);
     socket.receive(JSON.stringify(snapshot()));
     expect(kinds()).toEqual(["snapshot"]);
-    socket.receive(JSON.stringify({ type: "heartbeat", time: at(1) }));
+    socket.receive(JSON.stringify({ type: "heartbeat", id: "1", time: at(1) }));
     expect(events.map((event) => event.type)).toEqual(["snapshot", "heartbeat"]);
   });
 
@@ -115,7 +115,7 @@ describe("stream", () => {
     socket.open();
     for (let beat = 0; beat < 4; beat += 1) {
       await vi.advanceTimersByTimeAsync(5000);
-      socket.receive(JSON.stringify({ type: "heartbeat", time: at(beat) }));
+      socket.receive(JSON.stringify({ type: "heartbeat", id: "1", time: at(beat) }));
     }
     expect(FakeSocket.sockets).toHaveLength(1);
     await vi.advanceTimersByTimeAsync(SILENCE_MS + 1000);

@@ -277,9 +277,10 @@ class ReadPosition:
         self._retry.succeeded()
         with self._connection.understood():
             event = Event.read(orjson.loads(message))
-            if event.type == "snapshot" and "goal_id" in self._query:
-                self._after = event.document["goals"][0]["last_event_id"] or self._after
         if event.id is not None:
+            if event.type in ("snapshot", "heartbeat"):  # the id is that of the last event before them
+                self._after = max(event.id, self._after or "")
+                return event
             if event.id in self._seen:
                 return None
             self._seen[event.id] = None

@@ -326,6 +326,15 @@ def fleet_event(kind: str, now: datetime, narrow: Narrow, **payload: Any) -> Eve
     return Event(encode({"type": kind, "time": now, **payload}), "robots", narrow=narrow)
 
 
-def notice(kind: str, now: datetime, *, ends_goal: bool = False, **payload: Any) -> Event:
-    """Return a stream's message about itself: `snapshot`, `resumed`, `gap`, `heartbeat`, `dropped`, `closing`."""
-    return Event(encode({"type": kind, "time": now, **payload}), "notice", ends_goal=ends_goal)
+def notice(kind: str, now: datetime, *, ends_goal: bool = False, position: str | None = None, **payload: Any) -> Event:
+    """Return a stream's message about itself: `snapshot`, `resumed`, `gap`, `heartbeat`, `dropped`, `closing`.
+
+    Args:
+        kind: Its type.
+        now: When it is sent.
+        ends_goal: As for `Event`.
+        position: Id of the last event before it: all later ones follow it. It is the message's id, too.
+        payload: Further fields.
+    """
+    identity = {} if position is None else {"id": position}
+    return Event(encode({"type": kind, **identity, "time": now, **payload}), "notice", id=position, ends_goal=ends_goal)

@@ -2,6 +2,7 @@
 
 import asyncio
 import itertools
+import time
 from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -9,7 +10,7 @@ from operator import attrgetter
 from typing import Protocol
 
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.core.event import Event, EventClock
+from dock_gateway.core.event import STATUS, Event, EventClock, event_id
 from dock_gateway.core.event_buffer import EventBuffer
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.line import Line
@@ -74,7 +75,7 @@ class Subscriber:
         if shown is None:
             return
         event = shown
-        if self._waiting and self.writer is not None and self._empty and self.writer.write_frame(event.frame):
+        if self._waiting and self.writer is not None and self.empty and self.writer.write_frame(event.frame):
             return
         key = event.topic, event.robot
         if event.supersedes and (queued := self._newest.get(key)) is not None:
@@ -96,7 +97,8 @@ class Subscriber:
         self._wake.set()
 
     @property
-    def _empty(self) -> bool:
+    def empty(self) -> bool:
+        """Whether no event waits."""
         return not (self._kept or self._droppable)
 
     def _drop_oldest(self) -> None:
@@ -182,6 +184,8 @@ class Fanout:
         self._dropped_before = 0  # by subscribers that have left
         self._keep = keep
         self._recent = EventBuffer(recent)
+        # Before all events of this process, and whether it still has all of them.
+        self._beginning, self._has_all = event_id(self.clock.stamp(time.time_ns()), STATUS, "none"), True
         self._queue_limit = queue_limit
         self._subscribers: set[Subscriber] = set()
         # By topic and robot, and by topic alone: an event of one robot costs nothing for readers of the others.
@@ -247,7 +251,8 @@ class Fanout:
         if event.id is not None and event.topic != "cmd_vel":
             if event.id in self._recent:
                 return
-            self._recent.put(event)
+            if self._recent.put(event):
+                self._has_all = False
             self._keep(event)
         readers = 0
         for subscriber in self._wanting.get((event.topic, event.robot), ()):
@@ -258,11 +263,16 @@ class Fanout:
         self.published[kind] += 1
         self.sent[kind] += readers
 
-    def since(self, event_id: str, event_filter: EventFilter) -> list[Event] | None:
+    @property
+    def position(self) -> str:
+        """Id of the last event that was published, to go on from."""
+        return next(reversed(self._recent), self._beginning)
+
+    def since(self, after: str, event_filter: EventFilter) -> list[Event] | None:
         """Return the events published after an event, in order; None if that event is not in the buffer."""
-        if event_id not in self._recent:
+        if after not in self._recent and not (after == self._beginning and self._has_all):
             return None
-        later = itertools.takewhile(lambda event: event.id != event_id, reversed(self._recent.values()))
+        later = itertools.takewhile(lambda event: event.id != after, reversed(self._recent.values()))
         return [event for event in list(later)[::-1] if event_filter.covers(event)]
 
     def close(self) -> None:

@@ -7,6 +7,7 @@ import orjson
 from fastapi import APIRouter, Query
 
 from dock_gateway.core.event import KINDS, STORED_KINDS
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.goals.goal_documents import GoalDocuments
 from dock_gateway.goals.goal_path import at_goal
@@ -17,19 +18,27 @@ from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import AllParts, Part, Parts
 from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.queries import EVENT_ID
-from dock_gateway.http.requests import Answer, CursorQuery, GoalId, LimitQuery, json_response
+from dock_gateway.http.requests import (
+    WITH_POSITION,
+    Answer,
+    CursorQuery,
+    GoalId,
+    LimitQuery,
+    json_response,
+    list_response,
+)
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.storage import GoalFilter, History
 
 router = APIRouter(route_class=ApiRoute, tags=["Goals"])
 
 
-@router.get("/goals")
+@router.get("/goals", responses=WITH_POSITION)
 @operation(Role.VIEWER, Scope.LISTED, Audit.NEVER)
 async def list_goals(
     parts: AllParts, grant: TheGrant, wanted: GoalFilterQuery, *, limit: LimitQuery = 50, cursor: CursorQuery = None
 ) -> Answer[GoalPage]:
-    """List the goals of all actions, newest first."""
+    """List the goals of all actions, newest first. A stream goes on after the header `Event-Id`."""
     return await answer_page(parts, grant, wanted, limit, cursor)
 
 
@@ -37,8 +46,10 @@ async def answer_page(
     parts: Parts, grant: Grant, wanted: GoalFilter, limit: int, cursor: uuid.UUID | None
 ) -> Answer[Any]:
     """Answer with a page of goals, newest first."""
+    position = parts[Fanout].position  # before the list
     page, next_cursor = await parts[Goals].page(wanted, limit, str(cursor) if cursor else None)
-    return json_response({"goals": await parts[GoalDocuments].full(page, grant), "next_cursor": next_cursor})
+    document = {"goals": await parts[GoalDocuments].full(page, grant), "next_cursor": next_cursor}
+    return list_response(document, position)
 
 
 @at_goal(router, "GET")

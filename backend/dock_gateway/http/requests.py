@@ -261,6 +261,24 @@ def json_response(document: object, status: int = 200, headers: dict[str, str] |
     return Answer(encode(document), status, headers)
 
 
+# `responses=` of a list that a stream can go on from.
+WITH_POSITION: dict[int | str, dict[str, Any]] = {
+    200: {
+        "headers": {
+            "Event-Id": {
+                "description": "The last event before the list was read: `after` of a stream that goes on from it",
+                "schema": {"type": "string"},
+            }
+        }
+    }
+}
+
+
+def list_response(document: object, position: str) -> Answer[Any]:
+    """Return the response of a list. Whoever streams from the position misses no change of it."""
+    return json_response(document, headers={"Event-Id": position})
+
+
 def is_known_tag(condition: str | None, tag: str) -> bool:
     """Whether `If-None-Match` names the tag (RFC 9110, section 13.1.2)."""
     known = [part.strip().removeprefix("W/") for part in (condition or "").split(",")]

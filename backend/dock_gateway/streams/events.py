@@ -12,7 +12,7 @@ from starlette.websockets import WebSocketDisconnect
 from dock_gateway.access.authorization import subscribed
 from dock_gateway.core.access import Principal
 from dock_gateway.core.event import Event
-from dock_gateway.core.fanout import Subscriber
+from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.grant import Role
 from dock_gateway.core.tasks import cancel
 from dock_gateway.goals.goal_path import at_goal
@@ -122,12 +122,13 @@ async def _sse_chunks(
     with subscribed(parts, principal, await read_event_filter(parts, query, principal.grant)) as subscriber:
         # The events that the client is sent show whether the goal has ended. It could end during a separate lookup.
         ended = False
+        position = parts[Fanout].position
         async for event in begin(parts, subscriber, after):
             yield event.sse
             ended = event.ends_goal
         if ended:
             return
-        async for event in follow(parts, subscriber, max_rate):
+        async for event in follow(parts, subscriber, max_rate, position):
             yield event.sse
             if event.ends_goal:
                 return

@@ -25,7 +25,7 @@ class GatewayPresent:
     def __init__(self, parts: Parts) -> None:
         self._parts = parts
 
-    async def snapshot(self, event_filter: EventFilter) -> Event:
+    async def snapshot(self, event_filter: EventFilter, position: str) -> Event:
         """Return running and recent goals; the robot's battery, stop and servers; robots and alerts if asked for."""
         parts = self._parts
         goals = await parts[Goals].recent(event_filter)
@@ -42,6 +42,7 @@ class GatewayPresent:
         return notice(
             "snapshot",
             utc_now(),
+            position=position,
             ends_goal=event_filter.goal_id is not None and all(goal.status.terminal for goal in goals),
             goals=[goal.document() for goal in goals],
             battery=robot.battery.document(),

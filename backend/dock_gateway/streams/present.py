@@ -9,8 +9,8 @@ from dock_gateway.core.filters import EventFilter
 class Present(Protocol):
     """The present state, as a reader's event filter covers it."""
 
-    async def snapshot(self, event_filter: EventFilter) -> Event:
-        """Return the first message of a reader who knows nothing yet.
+    async def snapshot(self, event_filter: EventFilter, position: str) -> Event:
+        """Return the first message of a reader who knows nothing yet; `position` is the last event that it includes.
 
         Its `ends_goal` says whether the reader wants a single goal, which has ended.
         """

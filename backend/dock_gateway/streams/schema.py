@@ -31,11 +31,15 @@ class Twist(Schema):
 
 
 class SnapshotEvent(Schema):
-    """The first message of a stream. `robots`, `alerts` and `approvals` are filled only with `include=robots`."""
+    """The first message of a stream. `id` is the last event before it, of whatever kind: resume after it.
+
+    `robots`, `alerts` and `approvals` are filled only with `include=robots`.
+    """
 
     model_config = ConfigDict(json_schema_serialization_defaults_required=False)
 
     type: Literal["snapshot"]
+    id: str
     time: datetime
     goals: list[LiveGoal]
     battery: Battery
@@ -201,9 +205,10 @@ class ScenesEvent(Schema):
 
 
 class HeartbeatEvent(Schema):
-    """The stream is alive."""
+    """The stream is alive. `id` is the last event before it, of whatever kind: resume after it."""
 
     type: Literal["heartbeat"]
+    id: str
     time: datetime
 
 

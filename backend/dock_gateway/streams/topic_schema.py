@@ -7,7 +7,7 @@ from pydantic import BaseModel
 
 from dock_gateway.graph.schema import GraphTopic
 from dock_gateway.http.schema import Schema
-from dock_gateway.streams.schema import ClosingEvent, DroppedEvent, HeartbeatEvent
+from dock_gateway.streams.schema import ClosingEvent, DroppedEvent
 
 
 class TopicEvent(Schema):
@@ -50,11 +50,18 @@ class RateEvent(Schema):
     messages: int
 
 
+class TopicHeartbeatEvent(Schema):
+    """The stream is alive."""
+
+    type: Literal["heartbeat"]
+    time: datetime
+
+
 ECHO_EVENTS: tuple[type[BaseModel], ...] = (
     TopicEvent,
     MessageEvent,
     RateEvent,
-    HeartbeatEvent,
+    TopicHeartbeatEvent,
     DroppedEvent,
     ClosingEvent,
 )

@@ -860,7 +860,7 @@ export interface paths {
         };
         /**
          * List Goals
-         * @description List the goals of all actions, newest first.
+         * @description List the goals of all actions, newest first. A stream goes on after the header `Event-Id`.
          */
         get: operations["list_goals"];
         put?: never;
@@ -1299,7 +1299,7 @@ export interface paths {
         };
         /**
          * List Robots
-         * @description List every robot that was found, or only the one given by `robot`.
+         * @description List every robot that was found, or only the one given by `robot`. A stream goes on after `Event-Id`.
          */
         get: operations["list_robots"];
         put?: never;
@@ -2889,7 +2889,7 @@ export interface components {
             count: number;
         };
         /** @description A message of /ws/topics. */
-        EchoEvent: components["schemas"]["TopicEvent"] | components["schemas"]["MessageEvent"] | components["schemas"]["RateEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ClosingEvent"];
+        EchoEvent: components["schemas"]["TopicEvent"] | components["schemas"]["MessageEvent"] | components["schemas"]["RateEvent"] | components["schemas"]["TopicHeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ClosingEvent"];
         /**
          * EndedStatuses
          * @description The number of goals that ended in each state.
@@ -3521,7 +3521,7 @@ export interface components {
         };
         /**
          * HeartbeatEvent
-         * @description The stream is alive.
+         * @description The stream is alive. `id` is the last event before it, of whatever kind: resume after it.
          */
         HeartbeatEvent: {
             /**
@@ -3529,6 +3529,8 @@ export interface components {
              * @enum {string}
              */
             type: "heartbeat";
+            /** Id */
+            id: string;
             /**
              * Time
              * Format: date-time
@@ -4901,7 +4903,9 @@ export interface components {
         };
         /**
          * SnapshotEvent
-         * @description The first message of a stream. `robots`, `alerts` and `approvals` are filled only with `include=robots`.
+         * @description The first message of a stream. `id` is the last event before it, of whatever kind: resume after it.
+         *
+         *     `robots`, `alerts` and `approvals` are filled only with `include=robots`.
          */
         SnapshotEvent: {
             /**
@@ -4909,6 +4913,8 @@ export interface components {
              * @enum {string}
              */
             type: "snapshot";
+            /** Id */
+            id: string;
             /**
              * Time
              * Format: date-time
@@ -5514,6 +5520,22 @@ export interface components {
             installed: boolean;
             /** Hint */
             hint: string | null;
+        };
+        /**
+         * TopicHeartbeatEvent
+         * @description The stream is alive.
+         */
+        TopicHeartbeatEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "heartbeat";
+            /**
+             * Time
+             * Format: date-time
+             */
+            time: string;
         };
         /**
          * TopicInfo
@@ -10051,6 +10073,8 @@ export interface operations {
             /** @description Successful Response */
             200: {
                 headers: {
+                    /** @description The last event before the list was read: `after` of a stream that goes on from it */
+                    "Event-Id"?: string;
                     [name: string]: unknown;
                 };
                 content: {
@@ -12472,6 +12496,8 @@ export interface operations {
             /** @description Successful Response */
             200: {
                 headers: {
+                    /** @description The last event before the list was read: `after` of a stream that goes on from it */
+                    "Event-Id"?: string;
                     [name: string]: unknown;
                 };
                 content: {

@@ -111,8 +111,6 @@ class Position {
     if ("id" in event && event.type !== "cmd_vel" && event.id > this.#after) this.#after = event.id;
     // The past is gone; a snapshot follows.
     if (event.type === "gap") this.#after = "";
-    if (event.type === "snapshot" && this.#url.searchParams.has("goal_id"))
-      this.#after = event.goals[0]?.last_event_id ?? this.#after;
   }
 
   resume(ticket: string | undefined): string {

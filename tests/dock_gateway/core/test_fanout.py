@@ -293,3 +293,25 @@ def test_what_an_event_costs_does_not_depend_on_how_many_wait() -> None:
     for kind in (FEEDBACK, SCENE):
         few, many = (min(cost(waiting, kind) for _ in range(5)) for waiting in (0, 9_000))
         assert many < 10 * few + 0.002, kind
+
+
+def stored(number: int) -> Event:
+    identity = event_id(time.time_ns() + number, "s", A)
+    return Event(b"%d" % number, "goals", A, "/dock", id=identity)
+
+
+@given(before=st.integers(0, 9), after=st.integers(0, 9), kept=st.integers(1, 12))
+def test_who_goes_on_from_a_position_misses_nothing_and_reads_nothing_twice(before: int, after: int, kept: int) -> None:
+    """What is no longer held is read from the history, which has it under the same ids."""
+    history: list[Event] = []
+    fanout = Fanout(queue_limit=3, recent=kept, keep=history.append)
+    for number in range(before):
+        fanout.publish(stored(number))
+    position = fanout.position
+    for number in range(before, before + after):
+        fanout.publish(stored(number))
+    later = fanout.since(position, EventFilter())
+    if later is None:
+        assert before + after > kept
+        later = [event for event in history if (event.id or "") > position]
+    assert [event.text for event in later] == [str(number) for number in range(before, before + after)]

@@ -9,7 +9,7 @@ from tests.support.shapes import check_answer, check_event, noted
 
 STOP = {"latched": False, "since": None, "by": None, "robots": [], "persisted": True}
 PROBLEM = {"type": "about:blank", "title": "No", "status": 404, "code": "goal_not_found", "detail": "no such goal"}
-HEARTBEAT = {"type": "heartbeat", "time": "2026-11-22T09:00:00Z"}
+HEARTBEAT = {"type": "heartbeat", "id": "1", "time": "2026-11-22T09:00:00Z"}
 JSON, PROBLEM_JSON = "application/json", "application/problem+json"
 GOAL_EVENTS = "/dock/7d9c1c9e-0000-4000-8000-000000000000/events"
 

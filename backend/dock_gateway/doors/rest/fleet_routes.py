@@ -6,12 +6,13 @@ from fastapi import APIRouter, Path, Request
 from starlette.responses import Response
 
 from dock_gateway.audit.trail import audited
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.fleet.schema import AcknowledgementBody, Alert, AlertList, Label, RobotList
 from dock_gateway.http.bodies import Body, SignedBody
 from dock_gateway.http.operation import carries_out
 from dock_gateway.http.parts import AllParts
 from dock_gateway.http.principal import ThePrincipal
-from dock_gateway.http.requests import Answer, RobotQuery, json_response
+from dock_gateway.http.requests import WITH_POSITION, Answer, RobotQuery, json_response, list_response
 from dock_gateway.http.resource import ChangeCondition, Item, item_response, removed
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.operations import fleet
@@ -20,11 +21,12 @@ from dock_gateway.robots.labels import RobotLabel
 router = APIRouter(route_class=ApiRoute)
 
 
-@router.get("/robots", tags=["Robots"])
+@router.get("/robots", tags=["Robots"], responses=WITH_POSITION)
 @carries_out(fleet.list_robots)
 async def list_robots(parts: AllParts, principal: ThePrincipal, robot: RobotQuery = None) -> Answer[RobotList]:
-    """List every robot that was found, or only the one given by `robot`."""
-    return json_response({"robots": await fleet.list_robots(parts, principal, robot)})
+    """List every robot that was found, or only the one given by `robot`. A stream goes on after `Event-Id`."""
+    position = parts[Fanout].position  # before the list
+    return list_response({"robots": await fleet.list_robots(parts, principal, robot)}, position)
 
 
 @router.put("/robots/label", tags=["Robots"])

@@ -20,7 +20,7 @@ log = logging.getLogger(__name__)
 # Headers of an answer that go on to the client. No others: the page is the hub's, with the hub's cookies and rules.
 PASSED_ON = frozenset({
     "accept-ranges", "allow", "cache-control", "content-disposition", "content-encoding", "content-language",
-    "content-range", "content-type", "etag", "expires", "last-modified", "link", "location",
+    "content-range", "content-type", "etag", "event-id", "expires", "last-modified", "link", "location",
     "retry-after", "vary", "x-accel-buffering", "x-request-id", "x-timestamp",
 })  # fmt: skip
 # Statuses of answers without a body.
