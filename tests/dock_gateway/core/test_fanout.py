@@ -295,7 +295,7 @@ def test_what_an_event_costs_does_not_depend_on_how_many_wait() -> None:
         assert many < 10 * few + 0.002, kind
 
 
-def stored(number: int) -> Event:
+def stamped_now(number: int) -> Event:
     identity = event_id(time.time_ns() + number, "s", A)
     return Event(b"%d" % number, "goals", A, "/dock", id=identity)
 
@@ -306,10 +306,10 @@ def test_who_goes_on_from_a_position_misses_nothing_and_reads_nothing_twice(befo
     history: list[Event] = []
     fanout = Fanout(queue_limit=3, recent=kept, keep=history.append)
     for number in range(before):
-        fanout.publish(stored(number))
+        fanout.publish(stamped_now(number))
     position = fanout.position
     for number in range(before, before + after):
-        fanout.publish(stored(number))
+        fanout.publish(stamped_now(number))
     later = fanout.since(position, EventFilter())
     if later is None:
         assert before + after > kept
