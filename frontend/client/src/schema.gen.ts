@@ -5851,6 +5851,8 @@ export interface operations {
             /** @description Successful Response */
             200: {
                 headers: {
+                    /** @description The last event before the list was read: `after` of a stream that goes on from it */
+                    "Event-Id"?: string;
                     [name: string]: unknown;
                 };
                 content: {
@@ -6102,6 +6104,8 @@ export interface operations {
             /** @description Successful Response */
             200: {
                 headers: {
+                    /** @description The last event before the list was read: `after` of a stream that goes on from it */
+                    "Event-Id"?: string;
                     [name: string]: unknown;
                 };
                 content: {

@@ -23,6 +23,7 @@ from dock_gateway.http.operation import Audit, Scope, carries_out, operation
 from dock_gateway.http.parts import AllParts
 from dock_gateway.http.principal import TheGrant, ThePrincipal, read_own_key
 from dock_gateway.http.requests import (
+    WITH_POSITION,
     Answer,
     CursorQuery,
     GoalId,
@@ -111,7 +112,7 @@ def routes_of(goals: GoalCollection) -> APIRouter:
         action, goal = await send_goal(parts, principal, order)
         return await answer_sent(request, parts, action, goal, wait)
 
-    @router.get("", name=listing, include_in_schema=goals.listed)
+    @router.get("", name=listing, include_in_schema=goals.listed, responses=WITH_POSITION)
     @operation(Role.VIEWER, Scope.LISTED, Audit.NEVER)
     async def list_sent(
         parts: AllParts,
