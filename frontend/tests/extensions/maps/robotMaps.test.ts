@@ -121,7 +121,8 @@ describe("what is around a robot", () => {
     const maps = mapsOf();
     const listener = vi.fn();
     const forget = maps.subscribe(listener);
-    for (const event of [MAP, MAP, { type: "heartbeat" as const, id: "1", time: at(1) }]) maps.onEvent(event, 0);
+    for (const event of [MAP, MAP, { type: "heartbeat" as const, id: "1", time: at(1) }])
+      maps.onEvent(event, 0);
     expect(listener).toHaveBeenCalledTimes(1);
     forget();
   });
