@@ -17,7 +17,7 @@ from benchmarks.site import PRODUCT, ROOT
 from benchmarks.systems.base import Impossible
 from benchmarks.systems.gateway import Gateway
 
-PATH = "/robots/cameras"
+PATH = "/cameras"
 FORMS = {"Image": "raw", "JPEG": "jpeg"}
 VIEWERS = (0, 1, 5)
 DISCOVERY, SETTLE = 60.0, 1.0

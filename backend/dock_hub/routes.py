@@ -18,7 +18,7 @@ from dock_gateway.http.bodies import SignedBody
 from dock_gateway.http.operation import Scope, carries_out, operation, public_operation
 from dock_gateway.http.parts import AllParts, Part, Parts
 from dock_gateway.http.principal import TheGrant, principal_of
-from dock_gateway.http.requests import WITH_POSITION, Answer, RobotQuery, json_response, list_response
+from dock_gateway.http.requests import WITH_POSITION, Answer, BelowQuery, json_response, list_response
 from dock_gateway.http.resource import ChangeCondition, Item, item_response, removed
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.sites.broker import Broker
@@ -69,7 +69,7 @@ async def forget_site(site: SiteName, sites: Part[Sites], stops: Part[Stops]) ->
 @router.get("/robots", tags=["Robots"], responses=WITH_POSITION)
 @operation(Role.VIEWER, Scope.LISTED, errors=(404,))
 async def list_robots(
-    overview: Part[Overview], fanout: Part[Fanout], grant: TheGrant, robot: RobotQuery = None
+    overview: Part[Overview], fanout: Part[Fanout], grant: TheGrant, robot: BelowQuery = None
 ) -> Answer[SiteRobotList]:
     """List the robots of all sites, or only those at or below `robot`: `/berlin` is a whole site.
 

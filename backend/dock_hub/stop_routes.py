@@ -17,7 +17,7 @@ from dock_gateway.http.openapi import body
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import principal_of
 from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import Answer, RobotQuery, RobotsQuery, json_response, read_json
+from dock_gateway.http.requests import Answer, BelowQuery, RobotsQuery, json_response, read_json
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.sites.names import site_grant, to_site
 from dock_gateway.stop.order import STOP_REQUEST, StopOrder, read_order, releases_stop, stops_robots
@@ -121,7 +121,7 @@ def _answer(outcomes: dict[str, StopOutcome], order: StopOrder, warned: dict[str
 
 @router.delete("/stop", responses=problems(504, schema="HubReleaseProblem"))
 @releases_stop
-async def release_stop(request: Request, stops: Part[Stops], robot: RobotQuery = None) -> Answer[HubReleaseReport]:
+async def release_stop(request: Request, stops: Part[Stops], robot: BelowQuery = None) -> Answer[HubReleaseReport]:
     """Release the stop of a robot, of all robots of a site (`/berlin`), or of all robots; it moves none.
 
     A stop that a site has not confirmed is dropped. The release is sent once to each site that can be reached, never

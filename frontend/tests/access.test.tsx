@@ -123,9 +123,7 @@ describe("permissions", () => {
     if (limited.principal !== null) limited.principal.robots = ["/robot1"];
     session.set(limited);
     expect(whyForbidden("DELETE /stop")).toBeNull();
-    expect(whyForbidden("PUT /robots/label")).toBe(
-      "This is about every robot, and your access is limited to some.",
-    );
+    expect(whyForbidden("PUT /label")).toBe("This is about every robot, and your access is limited to some.");
     session.set(OUT);
     expect(whyForbidden("POST /dock")).toBe("Your login has ended. Log in first.");
   });

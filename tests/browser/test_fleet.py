@@ -31,8 +31,8 @@ def gateway(domain: int) -> Iterator[RunningGateway]:
         for robot in DOCKING:
             wait_until(lambda at={"robot": robot}: gateway.http.get("/dock", params=at).status_code == 200, robot)
         for robot in GROUP:
-            label: dict[str, object] = {"robot": robot, "display_name": None, "groups": ["Hall 1"]}
-            gateway.http.put("/robots/label", json=label).raise_for_status()
+            label: dict[str, object] = {"display_name": None, "groups": ["Hall 1"]}
+            gateway.http.put(f"/label?robot={robot}", json=label).raise_for_status()
         yield gateway
 
 

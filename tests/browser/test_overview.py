@@ -108,8 +108,8 @@ def test_a_robot_is_named_and_found_by_its_group(page: Page, gateway: RunningGat
         expect(alerts).to_contain_text("1 alert of another robot is hidden by the group filter.")
         assert find_violations(page) == []
     finally:
-        label: dict[str, object] = {"robot": "/robot2", "display_name": None, "groups": []}
-        gateway.http.put("/robots/label", json=label).raise_for_status()
+        label: dict[str, object] = {"display_name": None, "groups": []}
+        gateway.http.put("/label?robot=/robot2", json=label).raise_for_status()
     page.get_by_role("button", name="Show all 2").press("Enter")
     expect_order(page, "/robot1", "/robot2")
 

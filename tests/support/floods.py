@@ -329,7 +329,7 @@ FLOODS: dict[str, Flood] = {
     "markers on /rosbridge": _websocket("/rosbridge", ADVERTISE_MARKERS, PUBLISH_MARKERS),
     "paths by POST": _many(3, b"", _posted(b"/topics/flood/path?type=nav_msgs/msg/Path", POSES), pause=0.05),
     "viewers of a large map on /rosbridge": _readers("/rosbridge", VIEW_MAP, 3),
-    "viewers of map.png": _downloads("/robots/map.png", 10),
+    "viewers of map.png": _downloads("/map.png", 10),
     "viewers of a large topic": _readers("/ws/topics?topic=/map", b"", 3),
     "viewers of a large map on /foxglove": _readers("/foxglove", VIEW_MAP_CHANNEL, 3, FOXGLOVE, 0.3),
     "slow event streams": _slow_websockets("/ws/feedback?include=battery,cmd_vel,system,robots,scene"),

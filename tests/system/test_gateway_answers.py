@@ -18,7 +18,7 @@ PUBLISHED = {"state": {"percentage": 0.5}, "rate_hz": 0.1}
 RULE = {"name": "Low battery", "robots": {"all": True}, "battery": {"below": 0.3, "idle_s": 10}, "by": "Ada"}
 HOOK = {"name": "Room", "url": "http://127.0.0.1:9/", "severities": ["critical"], "by": "Ada"}
 USER = {"role": "operator", "password": "correct horse battery staple"}
-LABEL = {"robot": "/", "display_name": "Forklift", "groups": ["hall 1"]}
+LABEL = {"display_name": "Forklift", "groups": ["hall 1"]}
 AT_DOCK, AWAY = {"x": -0.2, "y": 0.0, "theta": 0.0}, {"x": -1.2, "y": 0.3, "theta": 0.0}
 
 # Reads what is compared from a document, with the ids that are known so far.
@@ -94,7 +94,7 @@ CASES = {
     "acknowledged": Case("PUT", ACKNOWLEDGEMENT, {"by": "Ada"}, "/alerts", whole, ALERT),
     "not acknowledged": Case("DELETE", ACKNOWLEDGEMENT, None, "/alerts", whole, ALERT),
     "a release": Case("DELETE", "/stop", None, "/stop", SAID, SAID),
-    "a label": Case("PUT", "/robots/label", LABEL, "/robots", LABELED, entry("robots", "name", "/", LABELED)),
+    "a label": Case("PUT", "/label", LABEL, "/robots", LABELED, entry("robots", "name", "/", LABELED)),
     "a rule": Case(
         "PUT",
         "/automation/rules/low",

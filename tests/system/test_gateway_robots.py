@@ -93,12 +93,12 @@ def labels(gateway: RunningGateway) -> dict[str, dict[str, Any]]:
 
 
 def test_a_robot_is_labeled(gateway: RunningGateway) -> None:
-    label = {"robot": FIRST, **LABELED[FIRST]}
+    label, path = LABELED[FIRST], f"/label?robot={FIRST}"
     with gateway.stream("?include=robots&feedback=false") as stream:
-        assert gateway.http.put("/robots/label", json=label).raise_for_status().json() == label
+        assert gateway.http.put(path, json=label).raise_for_status().json() == {"robot": FIRST, **label}
         assert labels(gateway) == LABELED
         stream.until(lambda event: (of(event, FIRST) or {}).get("display_name") == "Left forklift")
-    taken = gateway.http.put("/robots/label", json={**label, "robot": SECOND})
+    taken = gateway.http.put(f"/label?robot={SECOND}", json=label)
     assert (taken.status_code, taken.json()["code"]) == (409, "display_name_taken")
     assert labels(gateway) == LABELED
 
@@ -133,7 +133,7 @@ def test_a_robot_is_followed_onto_its_dock(domain: int, gateway: RunningGateway,
         assert [event["status"] for event in stream.seen if event["type"] == "result"] == ["succeeded"]
         assert not [event for event in stream.seen if event["type"] == "feedback"]
         assert gateway.goal(goal_id)["feedback_count"] > 0
-    gateway.http.put("/robots/label", json={"robot": FIRST, **LABELED[FIRST]}).raise_for_status()
+    gateway.http.put(f"/label?robot={FIRST}", json=LABELED[FIRST]).raise_for_status()
     # Another one that starts now knows of it, too: from the history that they share.
     with running_gateway(domain, namespace=FIRST, database_url=database) as next_one:
         wait_until_found(next_one)
@@ -143,7 +143,7 @@ def test_a_robot_is_followed_onto_its_dock(domain: int, gateway: RunningGateway,
             first = of(stream.next(), FIRST) or {}
             assert LABELED[FIRST].items() <= first.items()
             label = {"display_name": None, "groups": ["hall 2"]}
-            next_one.http.put("/robots/label", json={"robot": FIRST, **label}).raise_for_status()
+            next_one.http.put(f"/label?robot={FIRST}", json=label).raise_for_status()
             assert labels(next_one) == {**LABELED, FIRST: label}
             stream.until(lambda event: (of(event, FIRST) or {}).get("groups") == ["hall 2"])
         assert labels(gateway) == {**LABELED, FIRST: label}

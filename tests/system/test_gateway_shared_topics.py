@@ -80,7 +80,7 @@ def test_it_is_in_no_list(gateway: RunningGateway, root: dict[str, str], everyon
 @needs("recordings")
 def test_it_is_in_no_recording(gateway: RunningGateway, root: dict[str, str], everyone: dict[str, str]) -> None:
     def recorded(headers: dict[str, str]) -> set[str]:
-        file = gateway.http.get("/robots/recording.mcap?robot=/", headers=headers).raise_for_status().content
+        file = gateway.http.get("/recording.mcap?robot=/", headers=headers).raise_for_status().content
         summary = make_reader(BytesIO(file)).get_summary()
         assert summary is not None
         return {channel.topic for channel in summary.channels.values()}

@@ -9,7 +9,7 @@ from pydantic import ConfigDict, Field, JsonValue
 from dock_gateway.fleet.alert_kinds import CORE_KINDS
 from dock_gateway.goals.action_schema import ActionServer
 from dock_gateway.goals.schema import GoalState
-from dock_gateway.http.bodies import GroupName, Name60, RobotName, Unique
+from dock_gateway.http.bodies import GroupName, Name60, Unique
 from dock_gateway.http.resource import Versioned
 from dock_gateway.http.schema import MAX_GROUPS, RosName, Schema
 from dock_gateway.robots.schema import BatteryState, Implausible
@@ -48,7 +48,7 @@ class RobotJoin(Schema):
 class Robot(Schema):
     """Summary of a robot.
 
-    `name` is its namespace; `display_name` and `groups` are the label that `PUT /robots/label` sets.
+    `name` is its namespace; `display_name` and `groups` are the label that `PUT /label` sets.
     `docked` is null if unknown, and so is `charging`: whether its battery is charged or full. `dock` and `undock` are
     null if the robot has no such action. `goals` are those running on its actions; `last_goal` is the last docking or
     undocking goal that ended. `join` is null unless the robot has a battery and no docking server, and one
@@ -79,17 +79,24 @@ class RobotList(Schema):
     robots: list[Robot]
 
 
-LABEL_EXAMPLE: JsonValue = {"robot": "/robot1", "display_name": "Left forklift", "groups": ["hall 1", "forklifts"]}
+LABEL_EXAMPLE: JsonValue = {"display_name": "Left forklift", "groups": ["hall 1", "forklifts"]}
 
 
-class Label(Schema):
+class LabelBody(Schema):
     """The display name of a robot, null if it has none, and the groups that it is in."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [LABEL_EXAMPLE]})
 
-    robot: Annotated[RobotName, Field(description="Namespace of the robot, which need not be on the ROS graph")]
     display_name: Annotated[Name60 | None, Field(description="Belongs to one robot, whatever its case")]
     groups: Annotated[tuple[GroupName, ...], Field(max_length=MAX_GROUPS), Unique]
+
+
+class Label(Schema):
+    """The label of a robot, which need not be on the ROS graph."""
+
+    robot: str
+    display_name: str | None
+    groups: list[str]
 
 
 class AcknowledgementBody(Schema):

@@ -13,16 +13,12 @@ from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.queries import SinceQuery, UntilQuery
-from dock_gateway.http.requests import LINE_OF_TEXT, MAX_GROUP, MAX_TAG, ROBOT_PATTERN, StatusQuery
+from dock_gateway.http.requests import LINE_OF_TEXT, MAX_GROUP, MAX_TAG, BelowQuery, StatusQuery
 from dock_gateway.setting_types import LONGEST_NAME, TOPIC
 from dock_gateway.settings import Settings
 from dock_gateway.storage import GoalFilter
 
 ActionName = Annotated[str, StringConstraints(pattern=f"^{TOPIC.pattern}$", max_length=LONGEST_NAME)]
-NamespaceQuery = Annotated[
-    str | None,
-    Query(description="Only goals on actions in this namespace or below", json_schema_extra=ROBOT_PATTERN),
-]
 ActionsQuery = Annotated[list[ActionName] | None, Query(description="Only goals on these actions")]
 OriginQuery = Annotated[Origin | None, Query(description="Only goals of this origin")]
 # Action servers may send any text; databases do not accept NUL.
@@ -60,7 +56,7 @@ async def read_goal_filter(
     settings: Part[Settings],
     robot_actions: Part[RobotActions],
     grant: TheGrant,
-    robot: NamespaceQuery = None,
+    robot: BelowQuery = None,
     action: ActionsQuery = None,
     status: StatusQuery = None,
     error: Annotated[list[ErrorCode] | None, Query(description="Only goals with these error codes")] = None,

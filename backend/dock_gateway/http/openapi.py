@@ -14,6 +14,7 @@ from pydantic.json_schema import JsonSchemaMode, models_json_schema
 
 from dock_gateway.core.error_codes import ErrorCode
 from dock_gateway.http.operation import Operation, Scope, find_operation
+from dock_gateway.http.requests import X_ROBOT
 
 SECURITY_SCHEMES = {
     "token": {"type": "http", "scheme": "bearer", "description": "A token, where the gateway asks for logins"},
@@ -206,6 +207,9 @@ def _add_roles(document: dict[str, Any], app: FastAPI) -> None:
                 continue
             if "HTTPValidationError" in str(operation["responses"].get("422")):  # FastAPI's own, which is never sent
                 del operation["responses"]["422"]
+            for parameter in operation.get("parameters", ()):
+                if (meaning := parameter["schema"].pop(X_ROBOT, None)) is not None:
+                    operation[X_ROBOT] = meaning
             needed = find_operation(route)
             if needed is not None and needed.role is not None:
                 operation.update(_needs(needed))

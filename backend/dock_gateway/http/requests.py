@@ -238,12 +238,36 @@ GraphName = Annotated[
 
 
 ROBOT_PATTERN = {"pattern": f"^{NAMESPACE.pattern}$"}
+# What a request is about by its `robot`: `x-robot` of its operation, which the OpenAPI document has from here.
+X_ROBOT = "x-robot"
+ONE, ANY, BELOW = ({X_ROBOT: meaning} for meaning in ("configured", "all", "below"))
 RobotQuery = Annotated[
-    str | None, Query(description="Namespace of the robot, such as `/robot1`", json_schema_extra=ROBOT_PATTERN)
+    str | None,
+    Query(
+        description="Namespace of the robot, such as `/robot1`; by default that of the configured one",
+        json_schema_extra={**ROBOT_PATTERN, **ONE},
+    ),
+]
+AnyRobotQuery = Annotated[
+    str | None,
+    Query(
+        description="Namespace of the robot, such as `/robot1`; by default all are meant",
+        json_schema_extra={**ROBOT_PATTERN, **ANY},
+    ),
+]
+BelowQuery = Annotated[
+    str | None,
+    Query(
+        description="Namespace of the robot, such as `/robot1`: it and those below are meant; by default all",
+        json_schema_extra={**ROBOT_PATTERN, **BELOW},
+    ),
 ]
 RobotsQuery = Annotated[
     list[Annotated[str, WithJsonSchema({"type": "string", **ROBOT_PATTERN})]] | None,
-    Query(description="Namespaces of the robots, such as `/robot1`"),
+    Query(
+        description="Namespaces of robots, such as `/robot1`: they and those below are meant; by default all",
+        json_schema_extra=BELOW,
+    ),
 ]
 StatusQuery = Annotated[list[GoalStatus] | None, Query(description="Only goals in these states")]
 LimitQuery = Annotated[int, Query(ge=1, le=500)]

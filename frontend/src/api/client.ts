@@ -3,13 +3,13 @@ import {
   type BatteryStateInput,
   type Calibration,
   type CalibrationService,
-  type components,
   type DockList,
   deadline,
   type Http,
   type LiveGoal,
   newKey,
   type Publisher,
+  type paths,
   type StopReport,
   type StopState,
   settle,
@@ -89,9 +89,9 @@ export function createAlerts(http: Http) {
   };
 }
 
-type RobotLabel = components["schemas"]["Label"];
+type RobotLabel = NonNullable<paths["/label"]["put"]["requestBody"]>["content"]["application/json"];
 
 /** Replaces the display name and the groups of a robot; throws a ClientError where it fails. */
-export function putLabel(http: Http, label: RobotLabel): Promise<RobotLabel> {
-  return settle(http.PUT("/robots/label", { body: label, signal: deadline() }));
+export function putLabel(http: Http, robot: string, label: RobotLabel): Promise<unknown> {
+  return settle(http.PUT("/label", { params: { query: { robot } }, body: label, signal: deadline() }));
 }

@@ -37,8 +37,7 @@ export const LIMITS = {
     "tags": { maxItems: 10 },
     "tags[]": { maxLength: 30 },
   },
-  "PUT /robots/label": {
-    "robot": { maxLength: 255 },
+  "PUT /label": {
     "display_name": { maxLength: 60 },
     "groups": { maxItems: 20 },
     "groups[]": { maxLength: 40 },

@@ -24,7 +24,7 @@ function answers(body: unknown, status = 200) {
 /** The label that was sent. The page asks for other things, too. */
 async function labelPut(fetched: ReturnType<typeof answers>): Promise<unknown> {
   const sent = fetched.mock.calls.map(([request]) => request).filter(({ method }) => method === "PUT");
-  expect(sent.map(({ url }) => url)).toEqual(["http://gateway:8000/robots/label"]);
+  expect(sent.map(({ url }) => url)).toEqual(["http://gateway:8000/label?robot=%2Frobot1"]);
   return sent[0]?.json();
 }
 
@@ -77,7 +77,6 @@ describe("the dialog of a robot's name and groups", () => {
     await page.user.click(dialog.getByRole("button", { name: "Save" }));
     await waitFor(() => expect(screen.queryByRole("dialog")).toBeNull());
     expect(await labelPut(fetched)).toEqual({
-      robot: "/robot1",
       display_name: "Right forklift",
       groups: ["Hall 1", "spare"],
     });

@@ -10,18 +10,18 @@ from dock_gateway.robots.labels import Labels, RobotLabel
 from tests.support.entries import EntriesInMemory
 from tests.support.route_client import RouteClient
 
-LEFT = {"robot": "/robot1", "display_name": "Left forklift", "groups": ["hall 1", "forklifts"]}
+LEFT = {"display_name": "Left forklift", "groups": ["hall 1", "forklifts"]}
 
 
 class Client(RouteClient):
-    """`PUT /robots/label` of a gateway with the robots `/` and `/robot1`."""
+    """`PUT /label` of a gateway with the robots `/` and `/robot1`."""
 
     def __init__(self) -> None:
         self.labels = Labels(EntriesInMemory[RobotLabel](), lambda: ["/", "/robot1"])
         super().__init__({Labels: self.labels})
 
-    def put(self, status: int = 200, query: str = "", **content: Any) -> Any:
-        return self.send("PUT", f"/robots/label{query}", status, **content)
+    def put(self, status: int = 200, robot: str = "/robot1", **content: Any) -> Any:
+        return self.send("PUT", f"/label?robot={robot}", status, **content)
 
 
 @pytest.fixture
@@ -31,24 +31,30 @@ def client() -> Iterator[Client]:
 
 
 def test_a_label_is_replaced_and_removed(client: Client) -> None:
-    assert client.put(json=LEFT) == LEFT
+    assert client.put(json=LEFT) == {"robot": "/robot1", **LEFT}
     assert client.labels.of("/robot1") == RobotLabel("Left forklift", ("hall 1", "forklifts"))
-    nameless = {"robot": "/robot1", "display_name": None, "groups": ["hall 2"]}
-    assert client.put(json=nameless) == nameless
-    empty = {"robot": "/robot1", "display_name": None, "groups": []}
-    assert client.put(json=empty) == empty
+    nameless = {"display_name": None, "groups": ["hall 2"]}
+    assert client.put(json=nameless) == {"robot": "/robot1", **nameless}
+    empty = {"display_name": None, "groups": []}
+    assert client.put(json=empty) == {"robot": "/robot1", **empty}
     assert client.labels.of("/robot1") == RobotLabel(None, ())
 
 
 def test_spaces_and_groups_that_repeat_are_removed(client: Client) -> None:
-    sent = {"robot": "/site/robot9/", "display_name": " Gl\u00fcck 7 ", "groups": [" hall 1", "hall 2", "hall 1 "]}
-    assert client.put(json=sent) == {
+    sent = {"display_name": " Gl\u00fcck 7 ", "groups": [" hall 1", "hall 2", "hall 1 "]}
+    assert client.put(robot="/site/robot9/", json=sent) == {
         "robot": "/site/robot9",
         "display_name": "Gl\u00fcck 7",
         "groups": ["hall 1", "hall 2"],
     }
-    longest = {"robot": "/" + 254 * "r", "display_name": 60 * "n", "groups": [f"{number:040}" for number in range(20)]}
-    assert client.put(json=longest) == longest
+    longest = {"display_name": 60 * "n", "groups": [f"{number:040}" for number in range(20)]}
+    robot = "/" + 254 * "r"
+    assert client.put(robot=robot, json=longest) == {"robot": robot, **longest}
+
+
+def test_a_label_of_no_robot_in_particular_is_that_of_the_configured_one(client: Client) -> None:
+    assert client.send("PUT", "/label", json=LEFT)["robot"] == "/"
+    assert client.labels.of("/").display_name == "Left forklift"
 
 
 def test_requests_that_are_not_a_label(client: Client) -> None:
@@ -57,7 +63,9 @@ def test_requests_that_are_not_a_label(client: Client) -> None:
     assert client.put(415, content=b"{}", headers={"Content-Type": "text/plain"})["code"] == "unsupported_media_type"
     assert client.put(422)["code"] == "invalid_field"
     assert client.put(422, json=[LEFT])["code"] == "invalid_field"
-    assert client.put(422, "?robot=/robot1", json=LEFT)["errors"][0]["path"] == "robot"
+    for robot in ("robot1", "/robot1&robot=/robot2"):
+        assert client.put(422, robot, json=LEFT)["errors"][0]["path"] == "robot"
+    assert client.put(422, json=LEFT | {"robot": "/robot1"})["errors"][0]["path"] == "robot"
     assert client.put(422, json=LEFT | {"groups": ["hall 1", ""]})["errors"][0]["path"] == "groups.1"
     assert client.labels.of("/robot1") == RobotLabel(None, ())
 
@@ -65,7 +73,7 @@ def test_requests_that_are_not_a_label(client: Client) -> None:
 def test_a_name_that_is_taken(client: Client) -> None:
     client.put(json=LEFT)
     for name in ("left FORKLIFT", "/robot1"):
-        problem = client.put(409, json={"robot": "/robot2", "display_name": name, "groups": []})
+        problem = client.put(409, "/robot2", json={"display_name": name, "groups": []})
         assert problem["code"] == "display_name_taken"
         assert "/robot1" in problem["detail"]
 

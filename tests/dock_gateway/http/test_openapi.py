@@ -3,6 +3,7 @@
 The dashboard's types are made of the copy, and a change of it shows in review what clients may notice.
 """
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from dock_gateway.app import create_app
 from dock_gateway.settings import Settings
 from dock_gateway.streams.socket import OPERATIONS
 
+API_PAGE = Path(__file__).parents[3] / "docs/api.md"
 COPY = Path(__file__).parents[3] / "frontend" / "openapi.json"
 
 
@@ -132,3 +134,18 @@ def test_each_command_has_its_role_and_requires_its_op(document: dict[str, Any])
 
 def test_the_copy_is_fresh(document: dict[str, Any]) -> None:
     assert orjson.loads(COPY.read_bytes()) == document, "run: dock-gateway schema openapi > frontend/openapi.json"
+
+
+def test_each_operation_about_a_robot_says_what_it_is_about_without_one(document: dict[str, Any]) -> None:
+    said: dict[str, set[str]] = {}
+    for path, item in document["paths"].items():
+        for method, operation in item.items():
+            named = [each for each in operation.get("parameters", ()) if each["name"] == "robot"]
+            assert ("x-robot" in operation) == bool(named), f"{method} {path}: take one of the types of http/requests"
+            assert all("x-robot" not in each["schema"] for each in named)
+            if named:
+                said.setdefault(operation["x-robot"], set()).add(f"{method.upper()} {path}")
+    assert said.keys() == {"configured", "all", "below"}
+    rows = re.findall(r"^\| `(configured|all|below)` \|[^|]*\|([^|]*)\|$", API_PAGE.read_text(), re.MULTILINE)
+    told = {meaning: set(re.findall(r"`([A-Z]+ /[^`]*)`", operations)) for meaning, operations in rows}
+    assert told == said | {"configured": set()}

@@ -7,38 +7,43 @@ from starlette.responses import Response
 
 from dock_gateway.audit.trail import audited
 from dock_gateway.core.fanout import Fanout
-from dock_gateway.fleet.schema import AcknowledgementBody, Alert, AlertList, Label, RobotList
+from dock_gateway.core.namespace import normalize_namespace, read_namespace
+from dock_gateway.fleet.schema import AcknowledgementBody, Alert, AlertList, Label, LabelBody, RobotList
 from dock_gateway.http.bodies import Body, SignedBody
 from dock_gateway.http.operation import carries_out
 from dock_gateway.http.parts import AllParts
 from dock_gateway.http.principal import ThePrincipal
-from dock_gateway.http.requests import WITH_POSITION, Answer, RobotQuery, json_response, list_response
+from dock_gateway.http.requests import WITH_POSITION, Answer, AnyRobotQuery, RobotQuery, json_response, list_response
 from dock_gateway.http.resource import ChangeCondition, Item, item_response, removed
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.operations import fleet
 from dock_gateway.robots.labels import RobotLabel
+from dock_gateway.settings import Settings
 
 router = APIRouter(route_class=ApiRoute)
 
 
 @router.get("/robots", tags=["Robots"], responses=WITH_POSITION)
 @carries_out(fleet.list_robots)
-async def list_robots(parts: AllParts, principal: ThePrincipal, robot: RobotQuery = None) -> Answer[RobotList]:
+async def list_robots(parts: AllParts, principal: ThePrincipal, robot: AnyRobotQuery = None) -> Answer[RobotList]:
     """List every robot that was found, or only the one given by `robot`. A stream goes on after `Event-Id`."""
     position = parts[Fanout].position  # before the list
     return list_response({"robots": await fleet.list_robots(parts, principal, robot)}, position)
 
 
-@router.put("/robots/label", tags=["Robots"])
+@router.put("/label", tags=["Robots"])
 @carries_out(fleet.label_robot)
-async def label_robot(label: Body[Label], request: Request, parts: AllParts, principal: ThePrincipal) -> Answer[Label]:
+async def label_robot(
+    label: Body[LabelBody], request: Request, parts: AllParts, principal: ThePrincipal, robot: RobotQuery = None
+) -> Answer[Label]:
     """Replace the display name and the groups of a robot, at every gateway that shares the history.
 
     `null` without groups removes the label. A label outlives restarts, and may be set before the robot appears.
     """
-    audited(request, robot=label.robot)
-    await fleet.label_robot(parts, principal, label.robot, RobotLabel(label.display_name, label.groups))
-    return json_response(label.model_dump())
+    namespace = normalize_namespace(parts[Settings].namespace) if robot is None else read_namespace(robot)
+    audited(request, robot=namespace)
+    await fleet.label_robot(parts, principal, namespace, RobotLabel(label.display_name, label.groups))
+    return json_response({"robot": namespace, **label.model_dump()})
 
 
 AlertId = Annotated[str, Path(description="`id` of the alert")]

@@ -20,7 +20,15 @@ from dock_gateway.http.operation import Scope, carries_out, operation, operation
 from dock_gateway.http.parts import AllParts, Part, Parts
 from dock_gateway.http.principal import TheGrant, ThePrincipal, principal_of
 from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import Answer, RobotQuery, RobotsQuery, json_response, read_json, read_wait
+from dock_gateway.http.requests import (
+    Answer,
+    AnyRobotQuery,
+    BelowQuery,
+    RobotsQuery,
+    json_response,
+    read_json,
+    read_wait,
+)
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.operations import stop as operations
 from dock_gateway.stop.order import PREFER, STOP_REQUEST, noting, read_order
@@ -85,7 +93,7 @@ async def _read_body(request: Request, parts: Parts) -> Any:
 
 @router.get("/stop")
 @operation(Role.VIEWER, Scope.LISTED, errors=(404, 421))
-async def get_stop(stopper: Part[Stopper], grant: TheGrant, robot: RobotQuery = None) -> Answer[StopState]:
+async def get_stop(stopper: Part[Stopper], grant: TheGrant, robot: AnyRobotQuery = None) -> Answer[StopState]:
     """Return whether a stop is latched for a robot; without `robot`, for all robots.
 
     `robots` leaves out those beyond the user's limits.
@@ -98,7 +106,7 @@ async def get_stop(stopper: Part[Stopper], grant: TheGrant, robot: RobotQuery = 
 
 @router.delete("/stop", responses=problems(409))
 @carries_out(operations.release_stop)
-async def release_stop(parts: AllParts, principal: ThePrincipal, robot: RobotQuery = None) -> Answer[StopState]:
+async def release_stop(parts: AllParts, principal: ThePrincipal, robot: BelowQuery = None) -> Answer[StopState]:
     """Release the stop of a robot and of the robots below it, without `robot` of all; also if none is latched.
 
     This moves no robot.

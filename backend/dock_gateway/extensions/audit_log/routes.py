@@ -18,7 +18,7 @@ from dock_gateway.http.downloads import CSV, FormatQuery, download
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.queries import SinceQuery, UntilQuery
-from dock_gateway.http.requests import GOAL_ID, ROBOT_PATTERN, Answer, LimitQuery, json_response, read_goal_id
+from dock_gateway.http.requests import GOAL_ID, Answer, AnyRobotQuery, LimitQuery, json_response, read_goal_id
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.http.sheets import rows_of
 from dock_gateway.storage import History
@@ -34,7 +34,7 @@ async def read_audit_filter(
     *,
     principal: Annotated[Text | None, Query(description="Only with the token of this name")] = None,
     what: Annotated[Text | None, Query(description="Only this operation, such as `release_stop`")] = None,
-    robot: Annotated[str | None, Query(description="Only about this robot", json_schema_extra=ROBOT_PATTERN)] = None,
+    robot: AnyRobotQuery = None,
     goal_id: Annotated[
         str | None,
         Query(description="Only about this goal", json_schema_extra={"pattern": f"^{GOAL_ID.pattern}$"}),

@@ -1,4 +1,4 @@
-"""`/robots/cameras`: the cameras of a robot, their pictures, and streams of them."""
+"""`/cameras`: the cameras of a robot, their pictures, and streams of them."""
 
 from collections.abc import AsyncGenerator
 from contextlib import aclosing
@@ -25,7 +25,7 @@ from dock_gateway.http.route import ApiRoute
 from dock_gateway.http.slow_clients import PacedResponse
 from dock_gateway.settings import Settings
 
-router = APIRouter(route_class=ApiRoute, tags=["Cameras"], prefix="/robots/cameras")
+router = APIRouter(route_class=ApiRoute, tags=["Cameras"], prefix="/cameras")
 
 MIXED = "multipart/x-mixed-replace"
 PICTURES: dict[str, dict[str, str]] = {JPEG: {}, PNG: {}}

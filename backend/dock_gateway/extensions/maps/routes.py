@@ -1,4 +1,4 @@
-"""`/robots/map`: the map of a robot, and its image."""
+"""`/map`: the map of a robot, and its image."""
 
 import re
 from collections.abc import AsyncGenerator, Sequence
@@ -23,7 +23,7 @@ from dock_gateway.http.slow_clients import PacedResponse
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.settings import Settings
 
-router = APIRouter(route_class=ApiRoute, tags=["Maps"], prefix="/robots")
+router = APIRouter(route_class=ApiRoute, tags=["Maps"])
 
 # Bytes that are sent at once.
 CHUNK = 65_536

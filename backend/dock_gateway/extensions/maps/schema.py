@@ -62,7 +62,7 @@ class Points(Schema):
 
 
 class MapEvent(Schema):
-    """The robot's map changed: not its cells, which `GET /robots/map.png` has. At most 5 times a second."""
+    """The robot's map changed: not its cells, which `GET /map.png` has. At most 5 times a second."""
 
     type: Literal["map"]
     time: datetime

@@ -1,4 +1,4 @@
-"""`/goals/…/recording.mcap` and `/robots/recording.mcap`: what was heard of a robot, as files of MCAP."""
+"""`/goals/…/recording.mcap` and `/recording.mcap`: what was heard of a robot, as files of MCAP."""
 
 import contextlib
 from collections.abc import AsyncGenerator
@@ -175,7 +175,7 @@ async def get_thumbnail(goal_id: GoalId, goals: Part[Goals], recordings: Part[Re
     return Response(data, media_type=media_type, headers={"Cache-Control": "private, max-age=3600"})
 
 
-@router.get("/robots/recording.mcap", tags=["Robots"], response_class=Response, responses={**FILE})
+@router.get("/recording.mcap", tags=["Robots"], response_class=Response, responses={**FILE})
 @operation(Role.VIEWER, Scope.ROBOT, Audit.ALWAYS, errors=(404, 429))
 async def download_recent(
     request: Request,

@@ -21,7 +21,6 @@ from dock_gateway.extensions.statistics.trends import find_trends, two_weeks
 from dock_gateway.goals.queries import (
     ActionsQuery,
     GroupQuery,
-    NamespaceQuery,
     OriginQuery,
     TagsQuery,
     read_goal_filter,
@@ -32,7 +31,7 @@ from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.queries import EARLIEST, SinceQuery, UntilQuery
-from dock_gateway.http.requests import Answer, json_response
+from dock_gateway.http.requests import Answer, BelowQuery, json_response
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.settings import Settings
 from dock_gateway.storage import GoalFilter, History
@@ -61,7 +60,7 @@ async def read_wanted(
     settings: Part[Settings],
     robot_actions: Part[RobotActions],
     grant: TheGrant,
-    robot: NamespaceQuery = None,
+    robot: BelowQuery = None,
     action: ActionsQuery = None,
     origin: OriginQuery = None,
     since: SinceQuery = None,
@@ -133,7 +132,7 @@ async def docking_time(
     robot_actions: Part[RobotActions],
     grant: TheGrant,
     *,
-    robot: NamespaceQuery = None,
+    robot: BelowQuery = None,
     group: GroupQuery = None,
 ) -> Answer[DockingTimes]:
     """Return how long docking takes each robot: the last seven days, compared with the seven before."""

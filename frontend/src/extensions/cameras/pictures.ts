@@ -57,7 +57,7 @@ async function* openPictures(
   signal: AbortSignal,
 ): AsyncGenerator<Picture> {
   const params = { path: { name }, query: { robot, max_width: maxWidth } };
-  const body = await settle(http.GET("/robots/cameras/{name}/stream", { params, signal, parseAs: "stream" }));
+  const body = await settle(http.GET("/cameras/{name}/stream", { params, signal, parseAs: "stream" }));
   if (body) yield* readPictures(body as ReadableStream<Uint8Array>);
 }
 

@@ -5,7 +5,7 @@ export type Camera = components["schemas"]["CameraInfo"];
 /** Every failure is a ClientError. */
 export async function listCameras(http: Http, robot: string): Promise<Camera[]> {
   const { cameras = [] } = await settle(
-    http.GET("/robots/cameras", { params: { query: { robot } }, signal: deadline() }),
+    http.GET("/cameras", { params: { query: { robot } }, signal: deadline() }),
   );
   return cameras;
 }

@@ -2,7 +2,7 @@ import { type components, deadline, type Http, settle } from "@dock-gateway/clie
 
 type Schemas = components["schemas"];
 
-/** A robot's map without its cells, as `GET /robots/map` tells. */
+/** A robot's map without its cells, as `GET /map` tells. */
 export type RobotMap = Schemas["RobotMap"];
 /** A map's size, its place in its frame, and its revision. */
 export type Grid = Schemas["Grid"];
@@ -32,5 +32,5 @@ export const MAP_COLORS: Record<"light" | "dark", MapColors> = {
 export async function mapImage(http: Http, robot: string | null, colors: MapColors): Promise<Blob> {
   const params = { query: { ...(robot !== null && { robot }), ...colors } };
   const signal = deadline(TIMEOUT_MS);
-  return (await settle(http.GET("/robots/map.png", { params, parseAs: "blob", signal }))) as unknown as Blob;
+  return (await settle(http.GET("/map.png", { params, parseAs: "blob", signal }))) as unknown as Blob;
 }

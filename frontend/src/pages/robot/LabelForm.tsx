@@ -7,7 +7,7 @@ import { namespaceWords } from "../../fleet/names";
 import { SaveBar } from "../../ui/Dialog";
 import { useCommand } from "../../ui/requests";
 
-const { display_name: NAME, groups: GROUPS } = LIMITS["PUT /robots/label"];
+const { display_name: NAME, groups: GROUPS } = LIMITS["PUT /label"];
 
 /** The display name and the groups of a robot, for everybody. */
 export default function LabelForm({ robot, onDone }: { robot: string; onDone: () => void }) {
@@ -18,7 +18,7 @@ export default function LabelForm({ robot, onDone }: { robot: string; onDone: ()
   // It is loaded on demand: the dialog has looked for what gets the focus before it came.
   const first = useRef<HTMLInputElement>(null);
   useEffect(() => first.current?.focus(), []);
-  const save = useCommand(() => putLabel(http, { robot, display_name: name.trim() || null, groups }));
+  const save = useCommand(() => putLabel(http, robot, { display_name: name.trim() || null, groups }));
   const submit = (event: FormEvent) => {
     event.preventDefault();
     save.mutate(undefined, { onSuccess: onDone });

@@ -69,7 +69,7 @@ const LabelForm = lazyPart(() => import("./LabelForm"));
 /** Opens the name and groups of a robot; has the focus again afterwards. */
 function LabelButton({ robot }: { robot: string }) {
   const naming = useNaming();
-  const reason = useWhyNot("PUT /robots/label");
+  const reason = useWhyNot("PUT /label");
   const [opened, dialog] = useDisclosure(false);
   return (
     <>

@@ -43,7 +43,7 @@ def test_cameras_of_two_robots(domain: int, tmp_path: Path) -> None:
         films.wait_for("filming")
 
         def cameras(robot: str, **options: Any) -> dict[str, str | None]:
-            found = http.get("/robots/cameras", params={"robot": robot}, **options)
+            found = http.get("/cameras", params={"robot": robot}, **options)
             return {each["name"]: each["type"] for each in found.json().get("cameras", ())}
 
         image, compressed = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
@@ -60,17 +60,15 @@ def test_cameras_of_two_robots(domain: int, tmp_path: Path) -> None:
 
         look_at_pictures(gateway)
         look_at_depths(http, films)
-        picture = http.get("/robots/cameras/esp/image?robot=/robot1").raise_for_status()
+        picture = http.get("/cameras/esp/image?robot=/robot1").raise_for_status()
         assert picture.content.endswith(b"\xff\xd9")
-        refused = http.get("/robots/cameras/odd/image?robot=/robot1", headers=bearer(limited))
+        refused = http.get("/cameras/odd/image?robot=/robot1", headers=bearer(limited))
         assert refused.json()["code"] == "not_allowed"
-        unreadable = http.get("/robots/cameras/odd/stream?robot=/robot1")
+        unreadable = http.get("/cameras/odd/stream?robot=/robot1")
         assert unreadable.json()["detail"].startswith("/robot1/odd cannot be shown: the encoding 'odd' is not shown")
-        assert http.get("/robots/cameras/none/image?robot=/robot1").json()["code"] == "camera_not_found"
+        assert http.get("/cameras/none/image?robot=/robot1").json()["code"] == "camera_not_found"
 
-        with http.stream(
-            "GET", "/robots/cameras/back/image_raw/stream?robot=/robot1", headers=bearer(limited)
-        ) as stream:
+        with http.stream("GET", "/cameras/back/image_raw/stream?robot=/robot1", headers=bearer(limited)) as stream:
             pictures = parts(stream)
             assert next(pictures)
             assert site.run("token", "delete", "mallory").returncode == 0
@@ -82,13 +80,13 @@ def test_cameras_of_two_robots(domain: int, tmp_path: Path) -> None:
 def look_at_pictures(gateway: RunningGateway) -> None:
     """Viewers share one subscription; what is too wide is scaled down; the last one to leave ends it."""
     http = gateway.http
-    picture = http.get("/robots/cameras/front/image?robot=/")
+    picture = http.get("/cameras/front/image?robot=/")
     assert picture.headers["content-type"] == "image/jpeg"
     assert simplejpeg.decode_jpeg_header(picture.content)[:2] == (HEIGHT, WIDTH)
-    small = http.get("/robots/cameras/front/image?robot=/&max_width=16")
+    small = http.get("/cameras/front/image?robot=/&max_width=16")
     assert simplejpeg.decode_jpeg_header(small.content)[:2] == (HEIGHT // 4, WIDTH // 4)
 
-    path = "/robots/cameras/back/image_raw/stream?robot=/robot1"
+    path = "/cameras/back/image_raw/stream?robot=/robot1"
     with http.stream("GET", path) as one, http.stream("GET", f"{path}&max_rate=1&max_width=32") as two:
         assert one.headers["content-type"] == "multipart/x-mixed-replace; boundary=picture"
         pictures = parts(one)
@@ -101,7 +99,7 @@ def look_at_pictures(gateway: RunningGateway) -> None:
 def look_at_depths(http: httpx2.Client, films: Process) -> None:
     """The form that speaks is shown, and no other one is subscribed to, also when it falls silent later."""
     raw, compressed = "/robot1/depth/image_raw", "/robot1/depth/image_raw/compressed"
-    with http.stream("GET", "/robots/cameras/depth/image_raw/stream?robot=/robot1") as stream:
+    with http.stream("GET", "/cameras/depth/image_raw/stream?robot=/robot1") as stream:
         assert stream.status_code == 200
         pictures = parts(stream)
         for silent, speaking in ((compressed, raw), (raw, compressed)):
@@ -109,7 +107,7 @@ def look_at_depths(http: httpx2.Client, films: Process) -> None:
             assert readers(http, speaking) == ["/dock_gateway"]
             check_depth(next(pictures))
             os.kill(films.pid, signal.SIGUSR1)
-    check_depth(http.get("/robots/cameras/png/image?robot=/robot1").raise_for_status().content)
+    check_depth(http.get("/cameras/png/image?robot=/robot1").raise_for_status().content)
 
 
 def check_depth(jpeg: bytes) -> None:

@@ -46,7 +46,7 @@ def gateway(domain: int) -> Iterator[RunningGateway]:
 
 def press_lab(page: Page, gateway: RunningGateway) -> None:
     """Press the dock `lab` on the whole map."""
-    grid = gateway.http.get("/robots/map").raise_for_status().json()["map"]
+    grid = gateway.http.get("/map").raise_for_status().json()["map"]
     width, height = (grid[side] * grid["resolution"] for side in ("width", "height"))
     middle = grid["origin"]["x"] + width / 2, grid["origin"]["y"] + height / 2
     box = page.get_by_test_id("scene").bounding_box()

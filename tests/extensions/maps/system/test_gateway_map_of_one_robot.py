@@ -21,14 +21,14 @@ def gateway(shared_domain: int, site: Site, root: dict[str, str]) -> Iterator[Ru
         site.gateway(shared_domain) as gateway,
     ):
         for robot in ("/", "/robot1"):
-            path = f"/robots/map?robot={robot}"
+            path = f"/map?robot={robot}"
             wait_until(lambda path=path: gateway.http.get(path, headers=everyone).status_code == 200, path)
         yield gateway
 
 
 def test_the_map_shows_only_the_robot(gateway: RunningGateway, root: dict[str, str]) -> None:
     """The gateway reads `/tf`, and tells of the robot alone."""
-    assert gateway.http.get("/robots/map?robot=/robot1", headers=root).json()["code"] == "not_allowed"
-    answer = gateway.http.get("/robots/map?robot=/", headers=root)
+    assert gateway.http.get("/map?robot=/robot1", headers=root).json()["code"] == "not_allowed"
+    answer = gateway.http.get("/map?robot=/", headers=root)
     assert answer.status_code == 200, answer.text
     assert "robot1" not in orjson.dumps(answer.json()).decode()

@@ -58,15 +58,15 @@ def test_a_robot_on_its_map(gateway: RunningGateway, robot: Process) -> None:
         scene = stream.once_seen(lambda event: event["type"] == "scene")["scene"]
         assert (scene["frame"], scene["odom"]) == ("odom", {"x": 0.0, "y": 0.0, "theta": 0.0})
 
-        image = gateway.http.get("/robots/map.png", params=QUERY).raise_for_status()
+        image = gateway.http.get("/map.png", params=QUERY).raise_for_status()
         assert image.headers["content-type"] == "image/png"
         tag = image.headers["etag"]
         assert tag.startswith(f'"{grid["revision"]}-')
-        known = gateway.http.get("/robots/map.png", params=QUERY, headers={"If-None-Match": tag})
+        known = gateway.http.get("/map.png", params=QUERY, headers={"If-None-Match": tag})
         assert (known.status_code, known.headers["etag"]) == (304, tag)
-        blue = gateway.http.get("/robots/map.png", params={**QUERY, "free": "0000ff"}, headers={"If-None-Match": tag})
+        blue = gateway.http.get("/map.png", params={**QUERY, "free": "0000ff"}, headers={"If-None-Match": tag})
         assert blue.status_code == 200
-        assert gateway.http.get("/robots/map.png", params={**QUERY, "free": "blue"}).status_code == 422
+        assert gateway.http.get("/map.png", params={**QUERY, "free": "blue"}).status_code == 422
 
         # Another map, and three that cannot be right.
         for words in (None, "1 values for 200 by 200 cells", "not within", "200000 by 200000 cells"):
@@ -79,7 +79,7 @@ def test_a_robot_on_its_map(gateway: RunningGateway, robot: Process) -> None:
                 )
             )["map"]
             assert shown["odom"] is not None
-    newest = gateway.http.get("/robots/map", params=QUERY).json()
+    newest = gateway.http.get("/map", params=QUERY).json()
     assert newest["map"]["revision"] == shown["map"]["revision"] != grid["revision"]
     wait_until(lambda: not subscribed(gateway, "/robot1/scan"), "that the scan is left")
 

@@ -60,9 +60,7 @@ def test_a_recorded_goal_is_replayed(domain: int, observer: Observer, tmp_path: 
     ):
         gateway.wait_until_ready()
         with observer.publishing(Twist(), "cmd_vel"):
-            wait_until(
-                lambda: b"/cmd_vel" in gateway.http.get("/robots/recording.mcap").content, "velocities are recorded"
-            )
+            wait_until(lambda: b"/cmd_vel" in gateway.http.get("/recording.mcap").content, "velocities are recorded")
         with observer.publishing(DISCHARGING, "battery_status"):
             goal_id = gateway.http.post("/dock").raise_for_status().json()["goal_id"]
             wait_until(lambda: gateway.goal(goal_id)["feedback_count"] > 30, "three seconds of turning")

@@ -81,7 +81,7 @@ def test_a_failed_goal_leaves_a_recording_also_if_the_gateway_is_killed(domain: 
             assert {("command", "dock"), ("status", "aborted")} <= events
             problem = gateway.http.get(f"/goals/{succeeded}/recording.mcap").json()
             assert (problem["code"], "succeeded" in problem["detail"]) == ("recording_not_found", True)
-            assert FEEDBACK in download(gateway, "/robots/recording.mcap", tmp_path)
+            assert FEEDBACK in download(gateway, "/recording.mcap", tmp_path)
             assert gateway.http.get(f"/goals/{goal_id}/thumbnail").json()["code"] == "picture_not_found"
 
             interrupted = send(gateway, ABORTED)
@@ -139,7 +139,7 @@ def test_what_was_published_once_long_before_is_the_first_in_the_recording(
             file.write_bytes(answer.raise_for_status().content)
             return [each for each in read(file) if each.topic == "/map"]
 
-        (heard, *_) = wait_until(lambda: recorded("/robots/recording.mcap"), "the map")
+        (heard, *_) = wait_until(lambda: recorded("/recording.mcap"), "the map")
         old_ns = heard.received_ns + (BEFORE + 0.5) * 1e9
         wait_until(lambda: time.time_ns() > old_ns, "it is older than what a recording has of before its goal")
         goal_id = send(gateway, SUCCEEDED)

@@ -112,9 +112,9 @@ def test_one_robot_at_any_dates(page: Page, gateway: RunningGateway) -> None:
 
 def test_a_group_and_a_tag(page: Page, gateway: RunningGateway) -> None:
     """They stay in the address, and go with the links to the goals."""
-    label = {"robot": "/robot1", "display_name": None, "groups": ["Hall 1"]}
-    assert gateway.http.put("/robots/label", json=label).status_code == 200
-    gateway.http.put("/robots/label", json=label | {"robot": "/robot2", "groups": ["Hall 2"]})
+    label = {"display_name": None, "groups": ["Hall 1"]}
+    assert gateway.http.put("/label?robot=/robot1", json=label).status_code == 200
+    gateway.http.put("/label?robot=/robot2", json=label | {"groups": ["Hall 2"]})
     for number in (0, 1, 2):
         gateway.http.put(f"/goals/00000000-0000-4000-8000-{number:012}/tags", json={"tags": ["night shift"]})
     page.goto(f"{gateway.url}/ui/statistics?by=robot&last=30d&group=Hall+1")
