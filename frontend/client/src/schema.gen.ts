@@ -243,7 +243,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/robots/recording.mcap": {
+    "/recording.mcap": {
         parameters: {
             query?: never;
             header?: never;
@@ -305,7 +305,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/robots/map": {
+    "/map": {
         parameters: {
             query?: never;
             header?: never;
@@ -325,7 +325,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/robots/map.png": {
+    "/map.png": {
         parameters: {
             query?: never;
             header?: never;
@@ -347,7 +347,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/robots/cameras": {
+    "/cameras": {
         parameters: {
             query?: never;
             header?: never;
@@ -367,7 +367,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/robots/cameras/{name}/image": {
+    "/cameras/{name}/image": {
         parameters: {
             query?: never;
             header?: never;
@@ -387,7 +387,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/robots/cameras/{name}/stream": {
+    "/cameras/{name}/stream": {
         parameters: {
             query?: never;
             header?: never;
@@ -1310,7 +1310,7 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/robots/label": {
+    "/label": {
         parameters: {
             query?: never;
             header?: never;
@@ -3636,26 +3636,12 @@ export interface components {
         Kind: "token" | "user" | "person" | "service" | "hub" | "anybody";
         /**
          * Label
-         * @description The display name of a robot, null if it has none, and the groups that it is in.
-         * @example {
-         *       "display_name": "Left forklift",
-         *       "groups": [
-         *         "hall 1",
-         *         "forklifts"
-         *       ],
-         *       "robot": "/robot1"
-         *     }
+         * @description The label of a robot, which need not be on the ROS graph.
          */
         Label: {
-            /**
-             * Robot
-             * @description Namespace of the robot, which need not be on the ROS graph
-             */
+            /** Robot */
             robot: string;
-            /**
-             * Display Name
-             * @description Belongs to one robot, whatever its case
-             */
+            /** Display Name */
             display_name: string | null;
             /** Groups */
             groups: string[];
@@ -3717,7 +3703,7 @@ export interface components {
         };
         /**
          * MapEvent
-         * @description The robot's map changed: not its cells, which `GET /robots/map.png` has. At most 5 times a second.
+         * @description The robot's map changed: not its cells, which `GET /map.png` has. At most 5 times a second.
          */
         MapEvent: {
             /**
@@ -4445,7 +4431,7 @@ export interface components {
          * Robot
          * @description Summary of a robot.
          *
-         *     `name` is its namespace; `display_name` and `groups` are the label that `PUT /robots/label` sets.
+         *     `name` is its namespace; `display_name` and `groups` are the label that `PUT /label` sets.
          *     `docked` is null if unknown, and so is `charging`: whether its battery is charged or full. `dock` and `undock` are
          *     null if the robot has no such action. `goals` are those running on its actions; `last_goal` is the last docking or
          *     undocking goal that ended. `join` is null unless the robot has a battery and no docking server, and one
@@ -5821,7 +5807,7 @@ export interface operations {
                 limit?: number;
                 /** @description `next_cursor` of the previous page */
                 cursor?: string | null;
-                /** @description Only goals on actions in this namespace or below */
+                /** @description Namespace of the robot, such as `/robot1`: it and those below are meant; by default all */
                 robot?: string | null;
                 /** @description Only goals on these actions */
                 action?: string[] | null;
@@ -5900,7 +5886,7 @@ export interface operations {
     dock: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
                 robot?: string | null;
             };
             header?: {
@@ -6074,7 +6060,7 @@ export interface operations {
                 limit?: number;
                 /** @description `next_cursor` of the previous page */
                 cursor?: string | null;
-                /** @description Only goals on actions in this namespace or below */
+                /** @description Namespace of the robot, such as `/robot1`: it and those below are meant; by default all */
                 robot?: string | null;
                 /** @description Only goals on these actions */
                 action?: string[] | null;
@@ -6153,7 +6139,7 @@ export interface operations {
     undock: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
                 robot?: string | null;
             };
             header?: {
@@ -6323,7 +6309,7 @@ export interface operations {
     list_docks: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
                 robot?: string | null;
             };
             header?: never;
@@ -6409,7 +6395,7 @@ export interface operations {
     get_stop: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Namespace of the robot, such as `/robot1`; by default all are meant */
                 robot?: string | null;
             };
             header?: never;
@@ -6486,7 +6472,7 @@ export interface operations {
     stop: {
         parameters: {
             query?: {
-                /** @description Namespaces of the robots, such as `/robot1` */
+                /** @description Namespaces of robots, such as `/robot1`: they and those below are meant; by default all */
                 robot?: string[] | null;
             };
             header?: {
@@ -6559,7 +6545,7 @@ export interface operations {
     release_stop: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Namespace of the robot, such as `/robot1`: it and those below are meant; by default all */
                 robot?: string | null;
             };
             header?: never;
@@ -6744,7 +6730,7 @@ export interface operations {
                 principal?: string | null;
                 /** @description Only this operation, such as `release_stop` */
                 what?: string | null;
-                /** @description Only about this robot */
+                /** @description Namespace of the robot, such as `/robot1`; by default all are meant */
                 robot?: string | null;
                 /** @description Only about this goal */
                 goal_id?: string | null;
@@ -6817,7 +6803,7 @@ export interface operations {
                 principal?: string | null;
                 /** @description Only this operation, such as `release_stop` */
                 what?: string | null;
-                /** @description Only about this robot */
+                /** @description Namespace of the robot, such as `/robot1`; by default all are meant */
                 robot?: string | null;
                 /** @description Only about this goal */
                 goal_id?: string | null;
@@ -7148,7 +7134,7 @@ export interface operations {
     download_recent: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
                 robot?: string | null;
             };
             header?: never;
@@ -7238,7 +7224,7 @@ export interface operations {
                 by?: "day" | "robot" | "action";
                 /** @description The time zone of the days, as in the IANA database */
                 tz?: string;
-                /** @description Only goals on actions in this namespace or below */
+                /** @description Namespace of the robot, such as `/robot1`: it and those below are meant; by default all */
                 robot?: string | null;
                 /** @description Only goals on these actions */
                 action?: string[] | null;
@@ -7309,7 +7295,7 @@ export interface operations {
     docking_time: {
         parameters: {
             query?: {
-                /** @description Only goals on actions in this namespace or below */
+                /** @description Namespace of the robot, such as `/robot1`: it and those below are meant; by default all */
                 robot?: string | null;
                 /** @description Only goals on actions of the robots that are in this group now */
                 group?: string | null;
@@ -7370,7 +7356,7 @@ export interface operations {
     get_map: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
                 robot?: string | null;
             };
             header?: never;
@@ -7447,7 +7433,7 @@ export interface operations {
     get_map_image: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
                 robot?: string | null;
                 /** @description `RRGGBB`, or `RRGGBBAA` */
                 free?: string | null;
@@ -7537,7 +7523,7 @@ export interface operations {
     list_cameras: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
                 robot?: string | null;
             };
             header?: never;
@@ -7614,7 +7600,7 @@ export interface operations {
     get_picture: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
                 robot?: string | null;
                 /** @description Maximum width in pixels; JPEG only */
                 max_width?: number | null;
@@ -7715,7 +7701,7 @@ export interface operations {
     stream_pictures: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
                 robot?: string | null;
                 /** @description Maximum number of pictures per second */
                 max_rate?: number | null;
@@ -8188,7 +8174,7 @@ export interface operations {
     list_decisions: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Namespace of the robot, such as `/robot1`; by default all are meant */
                 robot?: string | null;
                 /** @description Id of a rule */
                 rule?: string | null;
@@ -9024,7 +9010,7 @@ export interface operations {
     get_simulator: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
                 robot?: string | null;
             };
             header?: never;
@@ -9101,7 +9087,7 @@ export interface operations {
     reset_simulator: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
                 robot?: string | null;
             };
             header?: never;
@@ -9187,7 +9173,7 @@ export interface operations {
     place_robot: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
                 robot?: string | null;
             };
             header?: never;
@@ -9326,7 +9312,7 @@ export interface operations {
     switch_fault: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
                 robot?: string | null;
             };
             header?: never;
@@ -9470,7 +9456,7 @@ export interface operations {
                 format?: "csv" | "json";
                 /** @description Only goals that dock, or that undock */
                 verb?: ("dock" | "undock") | null;
-                /** @description Only goals on actions in this namespace or below */
+                /** @description Namespace of the robot, such as `/robot1`: it and those below are meant; by default all */
                 robot?: string | null;
                 /** @description Only goals on these actions */
                 action?: string[] | null;
@@ -10047,7 +10033,7 @@ export interface operations {
                 cursor?: string | null;
                 /** @description Only goals that dock, or that undock */
                 verb?: ("dock" | "undock") | null;
-                /** @description Only goals on actions in this namespace or below */
+                /** @description Namespace of the robot, such as `/robot1`: it and those below are meant; by default all */
                 robot?: string | null;
                 /** @description Only goals on these actions */
                 action?: string[] | null;
@@ -11912,7 +11898,7 @@ export interface operations {
     get_battery: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
                 robot?: string | null;
             };
             header?: never;
@@ -11989,7 +11975,7 @@ export interface operations {
     publish_battery: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
                 robot?: string | null;
             };
             header?: never;
@@ -12124,7 +12110,7 @@ export interface operations {
     get_publisher: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
                 robot?: string | null;
             };
             header?: never;
@@ -12201,7 +12187,7 @@ export interface operations {
     start_publisher: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
                 robot?: string | null;
             };
             header?: never;
@@ -12340,7 +12326,7 @@ export interface operations {
     stop_publisher: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
                 robot?: string | null;
             };
             header?: never;
@@ -12415,7 +12401,7 @@ export interface operations {
     battery_history: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
                 robot?: string | null;
                 /** @description At this time or later, RFC 3339 */
                 since?: string | null;
@@ -12488,7 +12474,7 @@ export interface operations {
     list_robots: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Namespace of the robot, such as `/robot1`; by default all are meant */
                 robot?: string | null;
             };
             header?: never;
@@ -12566,7 +12552,10 @@ export interface operations {
     };
     label_robot: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
+                robot?: string | null;
+            };
             header?: never;
             path?: never;
             cookie?: never;
@@ -12574,8 +12563,6 @@ export interface operations {
         requestBody: {
             content: {
                 "application/json": {
-                    /** @description Namespace of the robot, which need not be on the ROS graph */
-                    robot: string;
                     /** @description Belongs to one robot, whatever its case */
                     display_name: string | null;
                     groups: string[];
@@ -13080,7 +13067,7 @@ export interface operations {
     get_calibration: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
                 robot?: string | null;
             };
             header?: never;
@@ -13157,7 +13144,7 @@ export interface operations {
     calibrate_dock: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
                 robot?: string | null;
             };
             header?: never;
@@ -14480,7 +14467,7 @@ export interface operations {
     readyz: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
+                /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
                 robot?: string | null;
             };
             header?: never;
