@@ -21,7 +21,7 @@ from dock_gateway.cli.asking import (
     wanted,
 )
 from dock_gateway.cli.events import describe, show
-from dock_gateway.client import Client, Goal, GoalState
+from dock_gateway.client import Client, Goal, GoalHandle
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.core.log_config import printable
 
@@ -109,10 +109,10 @@ def send(action: str, goal: str, no_wait: bool) -> None:
         carry_out(partial(client.send, action, fields), no_wait=no_wait)
 
 
-def carry_out(send_once: Callable[..., Goal], *, no_wait: bool) -> None:
+def carry_out(send_once: Callable[..., GoalHandle], *, no_wait: bool) -> None:
     """Send a goal and show its events until it ends. Exit with 1 unless it succeeded."""
     key = str(uuid.uuid4())
-    goal: Goal | None = None
+    goal: GoalHandle | None = None
     try:
         goal = send_once(key=key)
         if no_wait:
@@ -133,7 +133,7 @@ def carry_out(send_once: Callable[..., Goal], *, no_wait: bool) -> None:
         sys.exit(1)
 
 
-def follow(goal: Goal) -> GoalState:
+def follow(goal: GoalHandle) -> Goal:
     """Show a goal's events until it ends. Return its state."""
     for event in goal.events():
         if event.type != "heartbeat":

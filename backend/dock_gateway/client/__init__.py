@@ -3,15 +3,15 @@
 It needs neither ROS nor a server.
 """
 
-from dock_gateway.client.aio import AsyncClient, AsyncGoal
-from dock_gateway.client.documents import Battery, Event, GoalState, Robot, StopReport
+from dock_gateway.client.aio import AsyncClient, AsyncGoalHandle
+from dock_gateway.client.documents import Battery, Event, Goal, Robot, StopReport
 from dock_gateway.client.errors import ClientError, ClientTimeout, GatewayRefused, GatewayUnreachable, GoalFailed
-from dock_gateway.client.sync import Client, Goal
+from dock_gateway.client.sync import Client, GoalHandle
 from dock_gateway.core.goal import GoalStatus
 
 __all__ = [
     "AsyncClient",
-    "AsyncGoal",
+    "AsyncGoalHandle",
     "Battery",
     "Client",
     "ClientError",
@@ -21,7 +21,7 @@ __all__ = [
     "GatewayUnreachable",
     "Goal",
     "GoalFailed",
-    "GoalState",
+    "GoalHandle",
     "GoalStatus",
     "Robot",
     "StopReport",

@@ -11,7 +11,7 @@ from websockets.exceptions import WebSocketException
 
 from dock_gateway.client import calls
 from dock_gateway.client.connection import Attempts, Connection, ReadPosition
-from dock_gateway.client.documents import Battery, Document, Event, GoalState, Robot, StopReport
+from dock_gateway.client.documents import Battery, Document, Event, Goal, Robot, StopReport
 from dock_gateway.client.errors import succeeded
 
 T = TypeVar("T")
@@ -47,23 +47,23 @@ class AsyncClient:
 
     async def dock(
         self, goal: Mapping[str, Any] | None = None, *, robot: str | None = None, key: str | None = None
-    ) -> "AsyncGoal":
+    ) -> "AsyncGoalHandle":
         """Send a robot to its charging dock."""
-        return AsyncGoal(self, await self.call(calls.send("/dock", goal, robot, key)))
+        return AsyncGoalHandle(self, await self.call(calls.send("/dock", goal, robot, key)))
 
     async def undock(
         self, goal: Mapping[str, Any] | None = None, *, robot: str | None = None, key: str | None = None
-    ) -> "AsyncGoal":
+    ) -> "AsyncGoalHandle":
         """Drive a robot off its charging dock."""
-        return AsyncGoal(self, await self.call(calls.send("/undock", goal, robot, key)))
+        return AsyncGoalHandle(self, await self.call(calls.send("/undock", goal, robot, key)))
 
-    async def send(self, action: str, goal: Mapping[str, Any], *, key: str | None = None) -> "AsyncGoal":
+    async def send(self, action: str, goal: Mapping[str, Any], *, key: str | None = None) -> "AsyncGoalHandle":
         """Send a goal to any action."""
-        return AsyncGoal(self, await self.call(calls.send(calls.goals_of(action), goal, None, key)))
+        return AsyncGoalHandle(self, await self.call(calls.send(calls.goals_of(action), goal, None, key)))
 
-    async def goal(self, goal_id: str) -> "AsyncGoal":
+    async def goal(self, goal_id: str) -> "AsyncGoalHandle":
         """Return a goal that was sent by any client."""
-        return AsyncGoal(self, await self.call(calls.goal(goal_id)))
+        return AsyncGoalHandle(self, await self.call(calls.goal(goal_id)))
 
     async def robots(self) -> list[Robot]:
         """Return all robots on the ROS graph, by name."""
@@ -132,10 +132,10 @@ class AsyncClient:
                 await asyncio.sleep(reading.lost(error))
 
 
-class AsyncGoal:
-    """A goal at a gateway, as `Goal`. Awaiting it gives what `Goal.result` returns, iterating its feedback."""
+class AsyncGoalHandle:
+    """A goal at a gateway, as `GoalHandle`. Awaiting it gives what its `result` returns, iterating its feedback."""
 
-    def __init__(self, client: AsyncClient, state: GoalState) -> None:
+    def __init__(self, client: AsyncClient, state: Goal) -> None:
         self.state = state
         self._client = client
 
@@ -144,7 +144,7 @@ class AsyncGoal:
         """The goal's UUID."""
         return self.state.goal_id
 
-    def __await__(self) -> Generator[Any, None, GoalState]:
+    def __await__(self) -> Generator[Any, None, Goal]:
         return self.result().__await__()
 
     async def __aiter__(self) -> AsyncIterator[Document]:
@@ -165,7 +165,7 @@ class AsyncGoal:
                 if event.ends_goal or (reading.to_be_checked(event) and (await self.refresh()).ended):
                     return
 
-    async def wait(self) -> GoalState:
+    async def wait(self) -> Goal:
         """Wait until the goal ends, and return how."""
         if not self.state.ended:
             async with aclosing(self.events(feedback=False)) as events:
@@ -174,7 +174,7 @@ class AsyncGoal:
             await self.refresh()
         return self.state
 
-    async def result(self) -> GoalState:
+    async def result(self) -> Goal:
         """Wait until the goal has succeeded, and return its state with the result.
 
         Raises:
@@ -182,12 +182,12 @@ class AsyncGoal:
         """
         return succeeded(await self.wait())
 
-    async def cancel(self) -> GoalState:
+    async def cancel(self) -> Goal:
         """Ask the action server to cancel the goal. `wait` returns when it has ended."""
         self.state = await self._client.call(calls.cancel(self.id))
         return self.state
 
-    async def refresh(self) -> GoalState:
+    async def refresh(self) -> Goal:
         """Ask the gateway for the state."""
         self.state = await self._client.call(calls.goal(self.id))
         return self.state

@@ -8,7 +8,7 @@ from urllib.parse import quote
 
 import orjson
 
-from dock_gateway.client.documents import Battery, Document, GoalState, Robot, StopReport
+from dock_gateway.client.documents import Battery, Document, Goal, Robot, StopReport
 
 T = TypeVar("T")
 # Seconds that an agent's goal waits for a person, and that a slow node may take to show its parameters, or to set them.
@@ -45,10 +45,10 @@ class Call(Generic[T]):
         return {"content": orjson.dumps(self.body), "params": self.params, "headers": headers}
 
 
-def send(path: str, goal: Mapping[str, Any] | None, robot: str | None, key: str | None) -> Call[GoalState]:
+def send(path: str, goal: Mapping[str, Any] | None, robot: str | None, key: str | None) -> Call[Goal]:
     """Send a goal. The key makes sure that it is sent once, however often the request is repeated."""
     headers = {"Idempotency-Key": key or str(uuid.uuid4())}
-    return Call("POST", path, GoalState.read, goal, _of(robot), headers, repeatable=True, rejoins=APPROVAL)
+    return Call("POST", path, Goal.read, goal, _of(robot), headers, repeatable=True, rejoins=APPROVAL)
 
 
 def goals_of(action: str) -> str:
@@ -56,14 +56,14 @@ def goals_of(action: str) -> str:
     return f"/actions/{quote(action.strip('/'))}/goals"
 
 
-def goal(goal_id: str) -> Call[GoalState]:
+def goal(goal_id: str) -> Call[Goal]:
     """Ask for a goal."""
-    return Call("GET", _goal(goal_id), GoalState.read, repeatable=True)
+    return Call("GET", _goal(goal_id), Goal.read, repeatable=True)
 
 
-def cancel(goal_id: str) -> Call[GoalState]:
+def cancel(goal_id: str) -> Call[Goal]:
     """Cancel a goal."""
-    return Call("POST", f"{_goal(goal_id)}/cancel", GoalState.read, repeatable=True)
+    return Call("POST", f"{_goal(goal_id)}/cancel", Goal.read, repeatable=True)
 
 
 def robots() -> Call[list[Robot]]:

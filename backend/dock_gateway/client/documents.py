@@ -23,7 +23,7 @@ class _Read:
 
 
 @dataclass(frozen=True)
-class GoalState(_Read):
+class Goal(_Read):
     """A goal on any action, as docs/api.md describes it. `goal`, `feedback` and `result` are ROS messages as JSON.
 
     A state or a verb that only a newer gateway has is the text that it sent. `tags`, `notes` and `recording` are None

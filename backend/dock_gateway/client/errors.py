@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from dock_gateway.client.documents import GoalState
+from dock_gateway.client.documents import Goal
 from dock_gateway.core.goal import GoalStatus
 
 
@@ -42,13 +42,13 @@ class GatewayRefused(ClientError):
 class GoalFailed(ClientError):
     """A goal ended, but did not succeed. `state` says how, `state.error` why."""
 
-    def __init__(self, state: GoalState) -> None:
+    def __init__(self, state: Goal) -> None:
         self.state = state
         reason = f": {state.error.detail}" if state.error else ""
         super().__init__(f"goal {state.goal_id} {state.status}{reason}")
 
 
-def succeeded(state: GoalState) -> GoalState:
+def succeeded(state: Goal) -> Goal:
     """Return the state of a goal that has ended.
 
     Raises:

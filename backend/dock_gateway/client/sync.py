@@ -10,7 +10,7 @@ from websockets.sync.client import connect
 
 from dock_gateway.client import calls
 from dock_gateway.client.connection import Attempts, Connection, ReadPosition
-from dock_gateway.client.documents import Battery, Document, Event, GoalState, Robot, StopReport
+from dock_gateway.client.documents import Battery, Document, Event, Goal, Robot, StopReport
 from dock_gateway.client.errors import succeeded
 
 T = TypeVar("T")
@@ -58,7 +58,7 @@ class Client:
 
     def dock(
         self, goal: Mapping[str, Any] | None = None, *, robot: str | None = None, key: str | None = None
-    ) -> "Goal":
+    ) -> "GoalHandle":
         """Send a robot to its charging dock.
 
         Args:
@@ -66,21 +66,21 @@ class Client:
             robot: Namespace, such as /robot1; by default the robot in the gateway's settings.
             key: A goal that was sent with the same key is returned instead; by default a new one.
         """
-        return Goal(self, self.call(calls.send("/dock", goal, robot, key)))
+        return GoalHandle(self, self.call(calls.send("/dock", goal, robot, key)))
 
     def undock(
         self, goal: Mapping[str, Any] | None = None, *, robot: str | None = None, key: str | None = None
-    ) -> "Goal":
+    ) -> "GoalHandle":
         """Drive a robot off its charging dock. The arguments are those of `dock`."""
-        return Goal(self, self.call(calls.send("/undock", goal, robot, key)))
+        return GoalHandle(self, self.call(calls.send("/undock", goal, robot, key)))
 
-    def send(self, action: str, goal: Mapping[str, Any], *, key: str | None = None) -> "Goal":
+    def send(self, action: str, goal: Mapping[str, Any], *, key: str | None = None) -> "GoalHandle":
         """Send a goal to any action, such as /fibonacci. `goal` has fields of its goal message."""
-        return Goal(self, self.call(calls.send(calls.goals_of(action), goal, None, key)))
+        return GoalHandle(self, self.call(calls.send(calls.goals_of(action), goal, None, key)))
 
-    def goal(self, goal_id: str) -> "Goal":
+    def goal(self, goal_id: str) -> "GoalHandle":
         """Return a goal that was sent by any client."""
-        return Goal(self, self.call(calls.goal(goal_id)))
+        return GoalHandle(self, self.call(calls.goal(goal_id)))
 
     def robots(self) -> list[Robot]:
         """Return all robots on the ROS graph, by name."""
@@ -186,14 +186,14 @@ class Client:
                 time.sleep(reading.lost(error))
 
 
-class Goal:
+class GoalHandle:
     """A goal at a gateway. It goes on if the client ends. Iterating yields its feedback until it ends.
 
     Attributes:
         state: As the gateway last answered; `refresh` asks again.
     """
 
-    def __init__(self, client: Client, state: GoalState) -> None:
+    def __init__(self, client: Client, state: Goal) -> None:
         self.state = state
         self._client = client
 
@@ -225,7 +225,7 @@ class Goal:
             if event.ends_goal or (reading.to_be_checked(event) and self._refresh(deadline).ended):
                 return
 
-    def wait(self, timeout: float | None = None) -> GoalState:
+    def wait(self, timeout: float | None = None) -> Goal:
         """Wait until the goal ends, and return how.
 
         Raises:
@@ -238,7 +238,7 @@ class Goal:
             self._refresh(deadline)
         return self.state
 
-    def result(self, timeout: float | None = None) -> GoalState:
+    def result(self, timeout: float | None = None) -> Goal:
         """Wait until the goal has succeeded, and return its state with the result.
 
         Raises:
@@ -247,16 +247,16 @@ class Goal:
         """
         return succeeded(self.wait(timeout))
 
-    def cancel(self) -> GoalState:
+    def cancel(self) -> Goal:
         """Ask the action server to cancel the goal. `wait` returns when it has ended."""
         self.state = self._client.call(calls.cancel(self.id))
         return self.state
 
-    def refresh(self) -> GoalState:
+    def refresh(self) -> Goal:
         """Ask the gateway for the state."""
         return self._refresh(None)
 
-    def _refresh(self, deadline: float | None) -> GoalState:
+    def _refresh(self, deadline: float | None) -> Goal:
         self.state = self._client.call(calls.goal(self.id), deadline)
         return self.state
 

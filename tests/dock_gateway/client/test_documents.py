@@ -3,7 +3,8 @@
 import orjson
 import pytest
 
-from dock_gateway.client.documents import Event, GoalState
+from dock_gateway.client import documents
+from dock_gateway.client.documents import Event
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import Goal, GoalStatus, encode
 
@@ -17,7 +18,7 @@ def document(**fields: object) -> dict[str, object]:
 
 @pytest.mark.parametrize("status", [*GoalStatus])
 def test_a_goal_has_ended_as_its_status_says(status: GoalStatus) -> None:
-    goal = GoalState.read(document(status=status, finished_at=NOW if status.terminal else None))
+    goal = documents.Goal.read(document(status=status, finished_at=NOW if status.terminal else None))
     assert goal.status is status
     assert goal.ended is status.terminal
 
@@ -25,7 +26,7 @@ def test_a_goal_has_ended_as_its_status_says(status: GoalStatus) -> None:
 @pytest.mark.parametrize(("finished_at", "ended"), [(None, False), (NOW, True)])
 def test_a_goal_in_an_unknown_state_has_ended_when_it_is_finished(finished_at: object, ended: bool) -> None:
     read = document(status="preempted", verb="clean", origin="mission", finished_at=finished_at, colour="red")
-    goal = GoalState.read(read)
+    goal = documents.Goal.read(read)
     assert (goal.status, goal.verb, goal.origin, goal.ended) == ("preempted", "clean", "mission", ended)
     snapshot = Event.read({"type": "snapshot", "time": NOW.isoformat(), "goals": [read]})
     assert snapshot.ends_goal is ended
