@@ -17,6 +17,7 @@ DATA = {
     "order.py: wrong",
     "listener.py: sockets",
     "velocity.py: listeners",
+    "velocity.py: subscriptions",
     "bridge.py: branches",
     "graph_watch.py: findings",
     "bounds.py: Errors",

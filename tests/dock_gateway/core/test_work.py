@@ -9,7 +9,7 @@ from collections.abc import AsyncIterator, Callable
 import pytest
 
 from dock_gateway.core import work as core_work
-from dock_gateway.core.errors import Unavailable
+from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.core.work import MEDIUM, MOST, MOST_WAITING, SMALL, TURN, Lane, TooLarge, Work, in_turns
 from tests.support.waiting import PATIENCE
 
@@ -135,7 +135,7 @@ async def test_what_waits_has_a_limit(lane: Lane) -> None:
     go = threading.Event()
     waiting = [asyncio.create_task(lane(go.wait, 10)) for _ in range(MOST_WAITING)]
     await asyncio.sleep(0.05)
-    with pytest.raises(Unavailable, match="too many large messages"):
+    with pytest.raises(TooManyRequests, match="too many large messages"):
         await lane(int)
     go.set()
     await asyncio.gather(*waiting)
