@@ -142,7 +142,9 @@ class Overview:
         found = [alert for view in self._sites.views() for alert in view.alerts]
         found += [self._document(alert) for alert in self._own.values()]
         covered = [alert for alert in found if grant.covers_alert(alert["robot"])]
-        return sorted(covered, key=lambda alert: (alert["severity"] != "critical", _text(alert["since"]), alert["id"]))
+        return sorted(
+            covered, key=lambda alert: (alert["severity"] != "critical", _text(alert["started_at"]), alert["id"])
+        )
 
     def get(self, alert_id: str, grant: Grant = UNLIMITED) -> Document:
         """Return an alert.
@@ -225,7 +227,7 @@ class Overview:
             position=position,
             ends_goal=event_filter.goal_id is not None and all(goal.status.terminal for goal in goals),
             goals=[goal.document() for goal in goals],
-            stop={"latched": False, "since": None, "by": None, "robots": [], "persisted": True},
+            stop={"latched": False, "stopped_at": None, "by": None, "robots": [], "persisted": True},
             **NO_ROBOT,
             **fleet,
         )

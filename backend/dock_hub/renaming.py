@@ -42,7 +42,7 @@ READERS: dict[type[BaseModel], dict[str, Reader]] = {
         "robot": fields.whole_site,
         "severity": fields.one_of("critical", "warning"),
     },
-    Approval: {"approval_id": fields.site_id},
+    Approval: {"id": fields.site_id},
 }
 
 

@@ -32,7 +32,7 @@ class SiteInfo(Schema):
 
     name: str
     state: SiteState
-    since: datetime
+    changed_at: datetime
     version: str | None
     instance: str | None
     machine: str

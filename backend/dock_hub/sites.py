@@ -316,7 +316,7 @@ class Sites:
         return {
             "name": name,
             "state": site.state(now),
-            "since": datetime.fromtimestamp(site.since, UTC),
+            "changed_at": datetime.fromtimestamp(site.since, UTC),
             "version": site.version,
             "instance": site.instance,
             "machine": site.machine,

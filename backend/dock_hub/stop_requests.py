@@ -72,17 +72,17 @@ class StopEntry:
         robots: The robots, by the site's own names; `/` is all of them.
         user: The user of the hub who asked for it.
         by: Who stopped them, as the request says.
-        since: When it was asked for first.
+        stopped_at: When it was asked for first.
     """
 
     robots: tuple[str, ...]
     user: str | None
     by: str | None
-    since: datetime
+    stopped_at: datetime
 
     def join(self, later: "StopEntry") -> "StopEntry":
         """Return one stop for both."""
-        return replace(later, robots=outermost((*self.robots, *later.robots)), since=self.since)
+        return replace(later, robots=outermost((*self.robots, *later.robots)), stopped_at=self.stopped_at)
 
 
 class SiteStopper:

@@ -104,7 +104,7 @@ def _answer(outcomes: dict[str, StopOutcome], order: StopOrder, warned: dict[str
 
         report = {name: together(name) for name in ("canceling", "failed", "unconfirmed", "not_stopped")}
         held = sorted(together("robots"))
-        stop = {"latched": order.latch, "since": utc_now(), "by": order.by, "robots": held, "persisted": True}
+        stop = {"latched": order.latch, "stopped_at": utc_now(), "by": order.by, "robots": held, "persisted": True}
         stopped = sorted(together("halted"))
         return json_response(
             {**report, "stopped": stopped, "stop": stop, "others": [], "warning": warned, "sites": sites}

@@ -11,7 +11,7 @@ class PendingStop(Schema):
 
     robots: list[str]
     by: str | None
-    since: datetime
+    stopped_at: datetime
 
 
 class StopAtSite(Schema):

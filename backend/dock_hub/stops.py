@@ -104,7 +104,11 @@ class Stops:
         entry = self._site(name).entry
         if entry is None:
             return None
-        return {"robots": [to_hub(name, robot) for robot in entry.robots], "by": entry.by, "since": entry.since}
+        return {
+            "robots": [to_hub(name, robot) for robot in entry.robots],
+            "by": entry.by,
+            "stopped_at": entry.stopped_at,
+        }
 
     async def forget(self, name: str) -> None:
         """Drop the stop that a site has not confirmed.
@@ -283,7 +287,7 @@ class Stops:
             for name, entry in stored.items():
                 site = self._site(name)
                 site.entry = entry if site.entry is None else entry.join(site.entry)
-                log.warning("the stop of the site %s since %s is not confirmed; it is repeated", name, entry.since)
+                log.warning("the stop of the site %s since %s is not confirmed; it is repeated", name, entry.stopped_at)
             self._read = True
             self._wanted.set()
 

@@ -7,7 +7,7 @@ import { fakeGateway, renderPage } from "./page";
 afterEach(() => vi.unstubAllGlobals());
 
 const approval: Approval = {
-  approval_id: "a1",
+  id: "a1",
   agent: "shift planner",
   client: "planner 1.0",
   robot: "/robot1",

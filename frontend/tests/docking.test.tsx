@@ -61,7 +61,7 @@ describe("a robot that is about to move", () => {
 });
 
 describe("a robot with several docks", () => {
-  const dock = (dock_id: string) => ({ dock_id, type: null, frame: "map", pose: null, id: null });
+  const dock = (dock_id: string) => ({ dock_id, type: null, frame: "map", pose: null, tag_id: null });
   const docks = (names: string[], standard: string | null = null) =>
     fakeGateway({
       docks: vi.fn(async () => ({

@@ -64,14 +64,14 @@ export const undockServer: ActionServer = {
 
 export const released: StopState = {
   latched: false,
-  since: null,
+  stopped_at: null,
   by: null,
   robots: [],
   persisted: true,
 };
 
 export function latched(by: string | null, seconds = 0): StopState {
-  return { latched: true, since: at(seconds), by, robots: ["/"], persisted: true };
+  return { latched: true, stopped_at: at(seconds), by, robots: ["/"], persisted: true };
 }
 
 export function stopReport(change: Partial<StopReport> = {}): StopReport {
@@ -153,7 +153,7 @@ export function alert(id: string, change: Partial<Alert> = {}): Alert {
     kind: "low_battery",
     robot: "/robot1",
     severity: "warning",
-    since: at(0),
+    started_at: at(0),
     title: "Low battery",
     detail: "12 % and no docking goal runs: dock it.",
     goal_id: null,

@@ -237,14 +237,14 @@ describe("the page of a goal", () => {
   });
 
   it("has the notes and tags of everybody, and adds to them under a name", async () => {
-    const note = { note_id: "n1", by: "Bob", at: at(-30), text: "by a box" };
+    const note = { id: "n1", by: "Bob", created_at: at(-30), text: "by a box" };
     let stored = { tags: ["blocked"], notes: [note] };
     const sent: unknown[] = [];
     const { asked } = answering({
       "GET /goals/tags": () => ({ tags: ["blocked", "maintenance"] }),
       "POST /goals/a/notes": (request) => {
         request.json().then((body) => sent.push(body));
-        const added = { ...note, note_id: "n2", by: "Ada", text: "gone" };
+        const added = { ...note, id: "n2", by: "Ada", text: "gone" };
         stored = { ...stored, notes: [note, added] };
         return added;
       },

@@ -82,7 +82,7 @@ describe("a robot is", () => {
   it("as it should be, or marked with the worst that is wrong with it", () => {
     expect(markOf({})).toBeNull();
     expect(markOf({}, { robot: "/robot2" })).toBeNull();
-    expect(markOf({}, { acknowledged: { by: "Ada", at: at(1) } })).toBeNull();
+    expect(markOf({}, { acknowledged: { by: "Ada", acknowledged_at: at(1) } })).toBeNull();
     expect(markOf({}, {}, { severity: "critical", title: "Goal lost" })).toEqual({
       level: "critical",
       words: "Goal lost",

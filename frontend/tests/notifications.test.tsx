@@ -15,7 +15,7 @@ const LOW: Alert = {
   kind: "low_battery",
   robot: "/robot1",
   severity: "warning",
-  since: "2026-11-23T10:00:00Z",
+  started_at: "2026-11-23T10:00:00Z",
   title: "Low battery",
   detail: "Send the robot to its dock.",
   goal_id: null,
@@ -54,7 +54,7 @@ describe("this browser", () => {
     expect(isWanted(STOPPED, { ...QUIET, warnings: false, robots: hall }, naming)).toBe(true);
     expect(isWanted({ ...STOPPED, robot: "/robot2" }, { ...QUIET, robots: hall }, naming)).toBe(false);
     expect(isWanted({ ...LOW, robot: null }, { ...QUIET, robots: hall }, naming)).toBe(true);
-    const acknowledged = { by: "Ada", at: LOW.since };
+    const acknowledged = { by: "Ada", acknowledged_at: LOW.started_at };
     expect(isWanted({ ...LOW, acknowledged }, QUIET, naming)).toBe(false);
   });
 
@@ -75,7 +75,7 @@ describe("this browser", () => {
     setPreferences({ desktop: true });
     const { store } = open();
     const alerts = (...all: Alert[]) =>
-      act(() => store.onEvent({ type: "alerts", time: LOW.since, alerts: all }));
+      act(() => store.onEvent({ type: "alerts", time: LOW.started_at, alerts: all }));
     alerts(LOW);
     await screen.findByText("This browser");
     expect(shown.length).toBeLessThanOrEqual(1);

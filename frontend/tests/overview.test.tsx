@@ -311,7 +311,7 @@ describe("the page of a robot", () => {
 });
 
 describe("alerts", () => {
-  const low = alert("low", { since: at(1) });
+  const low = alert("low", { started_at: at(1) });
   const lost = alert("lost", {
     kind: "goal_lost",
     severity: "critical",
@@ -319,7 +319,7 @@ describe("alerts", () => {
     detail: "Look at the robot.",
     goal_id: "g1",
   });
-  const seen = { by: "Grace", at: at(5) };
+  const seen = { by: "Grace", acknowledged_at: at(5) };
 
   function answers(body: unknown, status = 200) {
     const fetched = vi.fn(async (_request: Request) => Response.json(body, { status }));
@@ -395,7 +395,7 @@ describe("alerts", () => {
   });
 
   it("are acknowledged with a name, which is asked for once", async () => {
-    const fetched = answers({ ...low, acknowledged: { by: "Ada", at: at(9) } });
+    const fetched = answers({ ...low, acknowledged: { by: "Ada", acknowledged_at: at(9) } });
     const { user } = renderPage(fakeGateway(), { robots, alerts: [low, lost] });
     await user.click(screen.getByRole("button", { name: "Acknowledge: Low battery: /robot1" }));
     const dialog = await screen.findByRole("dialog", { name: "Acknowledge as" });

@@ -284,7 +284,7 @@ async def test_who_is_welcome(hub: Hub, nats: NatsServer) -> None:
 
 async def test_an_acknowledgement_that_a_site_answers_with_nonsense(hub: Hub) -> None:
     _, header = await hub.token("ada", Role.OPERATOR)
-    alert = {"id": "berlin.1", "robot": "/berlin", "severity": "critical", "since": "2026-11-27T12:00:00Z"}
+    alert = {"id": "berlin.1", "robot": "/berlin", "severity": "critical", "started_at": "2026-11-27T12:00:00Z"}
     hub.parts[Sites].view("berlin").put_alerts([alert])
     answer = await hub.http.delete("/alerts/berlin.1/acknowledgement", headers=header)
     assert (answer.status_code, answer.json()["code"]) == (502, "site_failed")

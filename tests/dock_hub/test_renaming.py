@@ -72,7 +72,7 @@ def test_an_alert_of_the_gateway_is_one_of_the_site() -> None:
     alert = decoded(alerts.Alert(alert_kinds.HISTORY_LOST, None, AT, "History lost", "gone").document(None))
     (renamed,) = renaming.read_alerts("berlin", [alert])
     assert (renamed["robot"], renamed["site"], renamed["id"]) == ("/berlin", "berlin", f"berlin.{alert['id']}")
-    assert renamed["since"] == alert["since"]
+    assert renamed["started_at"] == alert["started_at"]
 
 
 def test_a_goal_comes_through_as_it_was_but_for_its_name_and_its_last_event() -> None:

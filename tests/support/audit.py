@@ -51,8 +51,8 @@ def audit_parts() -> dict[type, Any]:
 def make_entry(number: int, **fields: Any) -> AuditEntry:
     """An entry; the number orders them by time and makes them differ."""
     usual: dict[str, Any] = {
-        "entry_id": f"{number:032x}",
-        "at": NOON + timedelta(seconds=number),
+        "id": f"{number:032x}",
+        "acted_at": NOON + timedelta(seconds=number),
         "principal": "ada",
         "role": "admin",
         "token_id": "0123456789abcdef",

@@ -5,7 +5,7 @@ from contextlib import contextmanager, nullcontext
 from functools import partial
 from typing import Any
 
-from dock_gateway.core.access import Kind, Principal
+from dock_gateway.core.access import Principal, PrincipalKind
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.request import PERMIT, Permit
 from dock_gateway.http.quotas import Quotas
@@ -14,7 +14,7 @@ from dock_gateway.settings import Settings
 
 def user(name: str | None, role: Role = Role.ADMIN, address: str = "") -> Principal:
     """Someone with this name; without a name, a client at an address where no one logs in."""
-    kind = Kind.ANYBODY if name is None else Kind.TOKEN
+    kind = PrincipalKind.ANYBODY if name is None else PrincipalKind.TOKEN
     return Principal(name, kind, Grant(role), name, address=address)
 
 

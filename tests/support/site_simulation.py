@@ -163,7 +163,7 @@ class SimulatedSite:
     def stop(self, robots: list[str], by: str | None) -> dict[str, Any]:
         """Latch stops; without a robot for all of them."""
         for robot in robots or ["/"]:
-            self.stops.setdefault(robot, {"since": self.now().isoformat(), "by": by})
+            self.stops.setdefault(robot, {"stopped_at": self.now().isoformat(), "by": by})
         self._journal.write(stops=self.stops)
         canceled = [goal for goal in self.goals.values() if not goal.status.terminal and self._held(goal.action_name)]
         for goal in canceled:
@@ -198,8 +198,8 @@ class SimulatedSite:
         """As `GET /stop` shows it."""
         holding = self.stops.get(robot) or self.stops.get("/")
         held = [name for name in self._robots if self._held(name) and (robot in ("/", name))]
-        since, by = (holding["since"], holding["by"]) if holding else (None, None)
-        return {"latched": holding is not None, "since": since, "by": by, "robots": held, "persisted": True}
+        since, by = (holding["stopped_at"], holding["by"]) if holding else (None, None)
+        return {"latched": holding is not None, "stopped_at": since, "by": by, "robots": held, "persisted": True}
 
     # ---------------------------------------------------------------- robots
 

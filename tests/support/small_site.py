@@ -38,7 +38,7 @@ ROBOT: dict[str, Any] = {
     "battery": {"percentage": 0.5},
     "battery_topic": "/robot1/battery_status",
     "battery_publisher": {"active": False, "rate_hz": None},
-    "stop": {"latched": True, "since": None, "by": "Ada", "robots": ["/robot1"], "persisted": True},
+    "stop": {"latched": True, "stopped_at": None, "by": "Ada", "robots": ["/robot1"], "persisted": True},
     "dock": {
         "action_name": "/robot1/dock",
         "action_type": "t",
@@ -58,7 +58,7 @@ ALERT = {
     "kind": "low_battery",
     "robot": "/robot1",
     "severity": "warning",
-    "since": "2026-11-27T12:00:00Z",
+    "started_at": "2026-11-27T12:00:00Z",
     "title": "Low battery",
     "detail": "Send the robot to its dock.",
     "goal_id": None,
@@ -134,7 +134,7 @@ async def _elsewhere(_: Request) -> Response:
 
 async def _acknowledge(request: Request) -> Response:
     by = f"{request.scope['forwarded'].name}, as {(await request.json())['by']}"
-    return JSONResponse(ALERT | {"acknowledged": {"by": by, "at": ALERT["since"]}})
+    return JSONResponse(ALERT | {"acknowledged": {"by": by, "acknowledged_at": ALERT["started_at"]}})
 
 
 async def _never(_: Request) -> Response:

@@ -154,7 +154,7 @@ def learn(gateway: RunningGateway, name: str, answer: Any) -> dict[str, str]:
         case "a token":
             return {"token": answer["id"]}
         case "a note":
-            return {"note": answer["note_id"]}
+            return {"note": answer["id"]}
     return {}
 
 

@@ -99,7 +99,7 @@ def test_a_goal_waits_for_a_person_who_takes_longer_than_an_answer_may(
     def approve(seconds: float) -> None:
         until = time.monotonic() + seconds
         while time.monotonic() < until or not asked:
-            asked.update(each["approval_id"] for each in gateway.http.get("/approvals").json()["approvals"])
+            asked.update(each["id"] for each in gateway.http.get("/approvals").json()["approvals"])
             time.sleep(0.1)
         (approval,) = asked
         gateway.http.post(f"/approvals/{approval}", json={"allow": True}).raise_for_status()

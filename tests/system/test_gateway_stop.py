@@ -73,7 +73,7 @@ def test_every_way_to_send_a_goal_is_closed_until_the_release(domain: int) -> No
         assert gateway.http.get("/readyz").json()["stop"] == state
 
         assert stop_timed(gateway, by="Bob")[0]["stop"] == state  # the first who stopped it counts
-        released = {"latched": False, "since": None, "by": None, "robots": [], "persisted": True}
+        released = {"latched": False, "stopped_at": None, "by": None, "robots": [], "persisted": True}
         assert gateway.http.delete("/stop").json() | {"persisted": True} == released
         latch.wait_for(lambda message: not message.data)
         gateway.publish(CHARGING)
@@ -185,7 +185,7 @@ def test_goals_of_other_clients_are_canceled_while_a_stop_holds_also_after_a_res
     domain: int, tmp_path: Path, observer: Observer
 ) -> None:
     path = tmp_path / "stops.json"
-    path.write_bytes(orjson.dumps({"/": {"since": "2026-11-21T03:32:40Z", "by": "Ada"}}))
+    path.write_bytes(orjson.dumps({"/": {"stopped_at": "2026-11-21T03:32:40Z", "by": "Ada"}}))
     long = Fibonacci.Goal(order=40)
     with running_program(domain, "fibonacci_action_server", "-p", "step_period:=1.0"):
         goals = [observer.send_goal(Fibonacci, "/fibonacci", long)]  # before the gateway, which finds the action later

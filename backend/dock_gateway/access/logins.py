@@ -18,8 +18,8 @@ from dock_gateway.access.users import MAX_USERS, Check, Users, edit, is_admin, n
 from dock_gateway.core.access import (
     FORWARDER,
     OF_FORWARDER,
-    Kind,
     Principal,
+    PrincipalKind,
     Session,
     Token,
     User,
@@ -153,12 +153,14 @@ class Logins:
     def is_valid(self, principal: Principal) -> bool:
         """Return whether someone is still logged in, and may do what they could when they were identified."""
         principal = principal.login or principal
-        if principal.credential is None or principal.kind is Kind.FORWARDED:  # whose login ends ends its streams
+        if (
+            principal.credential is None or principal.kind is PrincipalKind.FORWARDED
+        ):  # whose login ends ends its streams
             return True
         match principal.kind:
-            case Kind.PERSON | Kind.SERVICE:
+            case PrincipalKind.PERSON | PrincipalKind.SERVICE:
                 return any(each.is_valid(principal) for each in self.sources)
-            case Kind.USER:
+            case PrincipalKind.USER:
                 current = self._sessions.principal(principal.credential)
             case _:
                 current = self.tokens.principal(principal.credential)

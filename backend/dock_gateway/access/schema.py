@@ -8,7 +8,7 @@ from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, model_v
 
 from dock_gateway.access.passwords import MAX_PASSWORD, MIN_PASSWORD, describe_wrong
 from dock_gateway.core import grant as stored
-from dock_gateway.core.access import Kind
+from dock_gateway.core.access import PrincipalKind
 from dock_gateway.core.errors import got
 from dock_gateway.core.grant import LIMITS, MAX_PATTERN, MAX_PATTERNS, Role
 from dock_gateway.http.bodies import Name60, Unique, expected
@@ -119,7 +119,7 @@ class Requester(Grant):
     """Who makes a request. `name` is null where requests need no login."""
 
     name: str | None
-    kind: Kind
+    kind: PrincipalKind
 
 
 class Provider(Schema):

@@ -12,7 +12,7 @@ from dock_gateway.access.schema import Session, Ticket
 from dock_gateway.access.tickets import LIFETIME, Tickets
 from dock_gateway.access.user_routes import require_user
 from dock_gateway.audit.trail import audited
-from dock_gateway.core.access import ANYBODY, FORWARDED, Kind, Principal
+from dock_gateway.core.access import ANYBODY, FORWARDED, Principal, PrincipalKind
 from dock_gateway.core.errors import FieldError, GatewayError, InvalidField
 from dock_gateway.core.grant import Role
 from dock_gateway.http.openapi import body
@@ -141,7 +141,7 @@ async def log_out(
     """
     if everywhere:
         request.scope["principal"] = principal = await identify(request)
-        if principal.kind is Kind.PERSON and principal.name is not None:
+        if principal.kind is PrincipalKind.PERSON and principal.name is not None:
             await logins.log_out_person(principal.name)
         else:
             await logins.end_sessions(require_user(principal))

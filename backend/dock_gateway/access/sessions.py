@@ -8,7 +8,7 @@ from typing import Protocol, TypeVar
 
 from dock_gateway.access.credentials import ID_DIGITS, Credential, Credentials, new_secret
 from dock_gateway.access.users import MAX_USERS
-from dock_gateway.core.access import Kind, Principal, Session, User
+from dock_gateway.core.access import Principal, PrincipalKind, Session, User
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import utc_now
 from dock_gateway.storage.shared_entries import SharedBook
@@ -107,7 +107,7 @@ class Sessions(BrowserSessions[Session]):
         if session is None or not self._valid(session):
             return None
         user = self._users.all()[session.user]
-        return Principal(session.user, Kind.USER, user.grant, key)
+        return Principal(session.user, PrincipalKind.USER, user.grant, key)
 
     def _valid(self, session: Session) -> bool:
         return session.valid(self._users.get(session.user), utc_now())

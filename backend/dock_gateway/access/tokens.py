@@ -7,7 +7,7 @@ from datetime import datetime
 from typing import Any
 
 from dock_gateway.access.credentials import ID_DIGITS, Credentials, new_secret
-from dock_gateway.core.access import Kind, Principal, Token
+from dock_gateway.core.access import Principal, PrincipalKind, Token
 from dock_gateway.core.errors import Conflict, NotAuthenticated
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant, Role
@@ -68,7 +68,7 @@ class Tokens(Credentials[Token]):
         token = self.book.get(key)
         if token is None or not token.valid(utc_now()):
             return None
-        return Principal(token.name, Kind.TOKEN, token.grant, key)
+        return Principal(token.name, PrincipalKind.TOKEN, token.grant, key)
 
     def name_of(self, token_id: str) -> str | None:
         """Return the name of a token, if there is one with this id."""

@@ -8,7 +8,7 @@ from starlette.responses import Response
 from dock_gateway.access.logins import Logins
 from dock_gateway.access.schema import PasswordBody, User, UserBody, UserList
 from dock_gateway.access.users import USER_NAME
-from dock_gateway.core.access import Kind, Principal
+from dock_gateway.core.access import Principal, PrincipalKind
 from dock_gateway.core.errors import Conflict, FieldError, InvalidField, NotFound
 from dock_gateway.core.grant import Role
 from dock_gateway.http.bodies import Body
@@ -95,7 +95,7 @@ def require_user(principal: Principal) -> str:
     Raises:
         Conflict: The request is made with a token, or without a login (`user_required`).
     """
-    if principal.kind is not Kind.USER or principal.name is None:
+    if principal.kind is not PrincipalKind.USER or principal.name is None:
         raise Conflict("this is for users who logged in with a name and a password", code="user_required")
     return principal.name
 

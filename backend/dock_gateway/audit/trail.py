@@ -102,8 +102,8 @@ class Trail:
         principal: Principal | None = self._scope.get("principal")
         permit = self._permit()
         return AuditEntry(
-            entry_id=uuid.uuid4().hex,
-            at=self.at if permit is None else permit.acted_at,
+            id=uuid.uuid4().hex,
+            acted_at=self.at if permit is None else permit.acted_at,
             principal=None if principal is None else principal.name,
             role=None if principal is None else principal.grant.role,
             token_id=None if principal is None else principal.credential,

@@ -17,7 +17,7 @@ OF_FORWARDER = "hub:"
 IDLE = timedelta(days=7)
 
 
-class Kind(StrEnum):
+class PrincipalKind(StrEnum):
     """The credential of a request."""
 
     TOKEN = "token"  # noqa: S105 - it is not one
@@ -144,7 +144,7 @@ class Principal:
     """
 
     name: str | None
-    kind: Kind
+    kind: PrincipalKind
     grant: Grant
     credential: str | None
     expires_at: datetime | None = None
@@ -182,8 +182,8 @@ def forwarded(name: str | None, grant: Grant, key: str) -> Principal:
         grant: What they may do here.
         key: Id of the key with which the other program has signed that.
     """
-    return Principal(FORWARDER if name is None else f"{OF_FORWARDER}{name}", Kind.FORWARDED, grant, key)
+    return Principal(FORWARDER if name is None else f"{OF_FORWARDER}{name}", PrincipalKind.FORWARDED, grant, key)
 
 
 # Everybody, where the gateway does not ask who it is.
-ANYBODY = Principal(None, Kind.ANYBODY, UNLIMITED, None)
+ANYBODY = Principal(None, PrincipalKind.ANYBODY, UNLIMITED, None)

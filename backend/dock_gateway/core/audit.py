@@ -35,8 +35,8 @@ class AuditEntry:
     """One request or command: who did what, from where, to which robot, with which outcome.
 
     Attributes:
-        entry_id: Identifies the entry, so that a repeated write does not store it twice.
-        at: When the request arrived.
+        id: Identifies the entry, so that a repeated write does not store it twice.
+        acted_at: When the request acted, or arrived if it was refused.
         principal: The name of the token; None where the gateway asks for none, or there was no valid one.
         role: What they may do; None if there was no valid token.
         token_id: The token.
@@ -51,8 +51,8 @@ class AuditEntry:
         code: Why it was refused or failed.
     """
 
-    entry_id: str
-    at: datetime
+    id: str
+    acted_at: datetime
     principal: str | None
     role: str | None
     token_id: str | None
@@ -116,7 +116,11 @@ def digest_of(previous: str, sequence: int, entry: AuditEntry) -> str:
     That is one object with its number and all fields of the entry, sorted, without spaces, the time in UTC with six
     decimals.
     """
-    fields = {**vars(entry), "sequence": sequence, "at": f"{entry.at.astimezone(UTC):%Y-%m-%dT%H:%M:%S.%fZ}"}
+    fields = {
+        **vars(entry),
+        "sequence": sequence,
+        "acted_at": f"{entry.acted_at.astimezone(UTC):%Y-%m-%dT%H:%M:%S.%fZ}",
+    }
     return hashlib.sha256(previous.encode() + orjson.dumps(fields, option=orjson.OPT_SORT_KEYS)).hexdigest()
 
 
@@ -205,8 +209,8 @@ class AuditFilter:
             and (self.robot is None or self.robot in robots_of(entry))
             and self.goal_id in (None, entry.goal_id)
             and self.outcome in (None, entry.outcome)
-            and (self.since is None or entry.at >= self.since)
-            and (self.until is None or entry.at < self.until)
+            and (self.since is None or entry.acted_at >= self.since)
+            and (self.until is None or entry.acted_at < self.until)
         )
 
 

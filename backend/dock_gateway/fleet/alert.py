@@ -14,19 +14,19 @@ class Acknowledgement:
     """The acknowledgement of an alert: by whom, and when."""
 
     by: str
-    at: datetime
+    acknowledged_at: datetime
 
 
 @dataclass(frozen=True)
 class Alert:
-    """One alert. `since`: when it began. `detail`: what to do about it. `robot` None: it concerns the gateway.
+    """One alert. `started_at`: when it began. `detail`: what to do about it. `robot` None: it concerns the gateway.
 
     `urgent`: whether it is critical although others of its kind are not.
     """
 
     kind: AlertKind
     robot: str | None
-    since: datetime
+    started_at: datetime
     title: str
     detail: str
     goal_id: str | None = None
@@ -54,7 +54,7 @@ class Alert:
             "kind": self.kind.value,
             "robot": self.robot,
             "severity": "critical" if self.critical else "warning",
-            "since": self.since,
+            "started_at": self.started_at,
             "title": self.title,
             "detail": self.detail,
             "goal_id": self.goal_id,

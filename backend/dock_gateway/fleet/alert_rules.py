@@ -83,7 +83,7 @@ class AlertRules:
             alerts += self._low(state, now, seconds)
             alerts += self._implausible(state, now)
             alerts += _stale(state, now)
-        return sorted(alerts, key=lambda alert: (not alert.critical, alert.since, alert.id))
+        return sorted(alerts, key=lambda alert: (not alert.critical, alert.started_at, alert.id))
 
     def _duplicates(self, duplicates: Mapping[str, list[str]], now: datetime) -> Iterator[Alert]:
         self._duplicate_since = {robot: self._duplicate_since.get(robot, now) for robot in duplicates}
@@ -199,7 +199,7 @@ def _stops(states: list[RobotState]) -> Iterator[Alert]:
         yield Alert(
             alert_kinds.STOP_LATCHED,
             name,
-            stop["since"],
+            stop["stopped_at"],
             "Stopped",
             f"{stopped}: goals are refused. Check that the area is clear, then release the stop.{unstored}",
         )

@@ -109,7 +109,7 @@ class Acknowledgement(Schema):
     """Who acknowledged an alert, and when."""
 
     by: str
-    at: datetime
+    acknowledged_at: datetime
 
 
 class Alert(Versioned):
@@ -123,7 +123,7 @@ class Alert(Versioned):
     kind: AlertKind
     robot: RosName | None
     severity: Literal["critical", "warning"]
-    since: datetime
+    started_at: datetime
     title: str
     detail: str
     goal_id: str | None

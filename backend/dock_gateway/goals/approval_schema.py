@@ -15,7 +15,7 @@ class Approval(Schema):
     the goal message. At `expires_at` the goal is refused.
     """
 
-    approval_id: str
+    id: str
     agent: str
     client: str | None
     robot: RosName

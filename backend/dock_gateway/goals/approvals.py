@@ -43,7 +43,7 @@ class Approval:
     goal: Json
     requested_at: datetime
     expires_at: datetime
-    approval_id: str = field(default_factory=lambda: str(uuid.uuid4()))
+    id: str = field(default_factory=lambda: str(uuid.uuid4()))
     refused: asyncio.Future[GatewayError | None] = field(default_factory=asyncio.Future)
 
     @property
@@ -59,7 +59,7 @@ class Approval:
     def document(self) -> dict[str, Any]:
         """Return it as `GET /approvals` shows it, ready for `orjson`."""
         return {
-            "approval_id": self.approval_id,
+            "id": self.id,
             "agent": self.agent,
             "client": self.principal.client,
             "robot": self.robot,
@@ -114,7 +114,7 @@ class Approvals:
             try:
                 await wait_while_permitted(self._wait(approval))
             finally:
-                del self._waiting[approval.approval_id]
+                del self._waiting[approval.id]
                 self._publish()
         if not approval.refused.done():
             within = f"{self._settings.approval_timeout:g} s"
@@ -129,7 +129,7 @@ class Approvals:
         expires = now + timedelta(seconds=self._settings.approval_timeout)
         verb = self._verb_of(action_name)
         approval = Approval(principal, action_name, robot, verb, goal, now, expires)
-        self._waiting[approval.approval_id] = approval
+        self._waiting[approval.id] = approval
         self._publish()
         self._asked.set()
         self._asked.clear()

@@ -99,6 +99,7 @@ async def _read_docks(reader: ParameterReader) -> tuple[list[dict[str, Any]], st
 def _document(name: str, values: Mapping[str, Any]) -> dict[str, Any]:
     pose = _pose(_array(values.get(f"{name}.pose")))
     texts = {key: str(values.get(f"{name}.{key}", "")) or None for key in ("type", "frame", "id")}
+    texts["tag_id"] = texts.pop("id")
     return {"dock_id": name, **texts, "pose": None if pose is None else pose._asdict()}
 
 

@@ -83,9 +83,9 @@ class LiveGoal(GoalState):
 class Note(Schema):
     """A note on a goal."""
 
-    note_id: str
+    id: str
     by: str
-    at: datetime
+    created_at: datetime
     text: str
 
 

@@ -5,7 +5,7 @@ from typing import Any
 from dock_gateway.http.schema import Schema
 
 
-class Use(Schema):
+class Permission(Schema):
     """Whether the gateway's settings let clients use something; if not, `reason` is the sentence that says why."""
 
     allowed: bool
@@ -24,7 +24,7 @@ class ServiceInfo(Schema):
     types: list[str]
     reads: bool
     hint: str | None
-    call: Use
+    call: Permission
     request: dict[str, Any] | None
     response: dict[str, Any] | None
 
@@ -49,7 +49,7 @@ class TopicInfo(Schema):
     types: list[str]
     reports: bool
     hint: str | None
-    publish: Use
+    publish: Permission
     message: dict[str, Any] | None
 
 
@@ -87,7 +87,7 @@ class NodeParameters(Schema):
     """The parameters of a node, sorted by name."""
 
     node: str
-    set: Use
+    set: Permission
     parameters: list[ParameterInfo]
 
 

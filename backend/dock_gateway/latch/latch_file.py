@@ -89,11 +89,15 @@ def _read_object(text: bytes) -> dict[str, Any]:
 
 
 def _read_latch(stop: dict[str, Any]) -> Latch:
-    since, by = datetime.fromisoformat(stop["since"]), stop["by"]
+    stopped_at, by = datetime.fromisoformat(stop["stopped_at"]), stop["by"]
     released = tuple(stop.get("released", ()))
-    if since.tzinfo is None or not (by is None or isinstance(by, str)) or not all(isinstance(x, str) for x in released):
+    if (
+        stopped_at.tzinfo is None
+        or not (by is None or isinstance(by, str))
+        or not all(isinstance(x, str) for x in released)
+    ):
         raise ValueError(f"no stop: {stop!r:.100}")
-    return Latch(since, by, released)
+    return Latch(stopped_at, by, released)
 
 
 class LatchWriter:

@@ -19,12 +19,12 @@ class Latch:
     """A latched stop.
 
     Attributes:
-        since: When it was requested.
+        stopped_at: When it was requested.
         by: Who requested it, if known.
         released: The robots below that were released since, of a stop of all robots.
     """
 
-    since: datetime
+    stopped_at: datetime
     by: str | None = None
     released: tuple[str, ...] = ()
 
@@ -109,7 +109,7 @@ class Latches:
         latch = None if over is None else self.held[over]
         return {
             "latched": latch is not None,
-            "since": latch and latch.since,
+            "stopped_at": latch and latch.stopped_at,
             "by": latch and latch.by,
             "robots": below,
         }

@@ -25,7 +25,7 @@ class HubConnection(Schema):
 
     site: str
     state: HubState
-    since: datetime
+    changed_at: datetime
     code: str | None
     detail: str | None
 

@@ -180,13 +180,13 @@ class Scene(Schema):
 
 
 class Dock(Schema):
-    """A dock of a docking server's database. What the server does not say is null."""
+    """A dock of a docking server's database. `tag_id` is that of its AprilTag. What the server does not say is null."""
 
     dock_id: str
     type: str | None
     frame: str | None
     pose: Pose | None
-    id: str | None
+    tag_id: str | None
 
 
 class DockList(Schema):

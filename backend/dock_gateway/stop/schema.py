@@ -25,7 +25,7 @@ class StopState(Schema):
     """
 
     latched: bool
-    since: datetime | None
+    stopped_at: datetime | None
     by: str | None
     robots: list[RosName]
     persisted: bool

@@ -265,10 +265,10 @@ def _keeping_on() -> Iterator[None]:
 def _together(stops: list[dict[str, Any]]) -> dict[str, Any]:
     """Return the latch of several robots: latched if each of them is, since the first was."""
     latched = all(stop["latched"] for stop in stops)
-    first = min(stops, key=lambda stop: stop["since"]) if latched else {"since": None, "by": None}
+    first = min(stops, key=lambda stop: stop["stopped_at"]) if latched else {"stopped_at": None, "by": None}
     return {
         "latched": latched,
-        "since": first["since"],
+        "stopped_at": first["stopped_at"],
         "by": first["by"],
         "robots": sorted({robot for stop in stops for robot in stop["robots"]}),
         "persisted": all(stop["persisted"] for stop in stops),

@@ -33,7 +33,7 @@ _STATUSES = {
 
 # Built once: that takes longer than SQLite takes to run them.
 _CHAIN = sa.select(audit_chain.c.head_sequence, audit_chain.c.head_digest).with_for_update()
-_STORED = sa.select(audit.c.entry_id).where(audit.c.entry_id.in_(sa.bindparam("names", expanding=True)))
+_STORED = sa.select(audit.c.id).where(audit.c.id.in_(sa.bindparam("names", expanding=True)))
 _HIGHEST = sa.select(sa.func.max(audit.c.sequence))
 _ADD = sa.insert(audit)
 _ADVANCE = sa.update(audit_chain).values(head_sequence=sa.bindparam("sequence"), head_digest=sa.bindparam("digest"))
@@ -71,11 +71,11 @@ class AuditStore:
 def append(connection: sa.Connection, entries: Sequence[AuditEntry]) -> list[AuditRow]:
     """Add rows to the chain, one gateway at a time: the others wait for the lock on the row of the chain."""
     head = _lock_chain(connection)
-    stored = set(connection.scalars(_STORED, {"names": [entry.entry_id for entry in entries]}))
+    stored = set(connection.scalars(_STORED, {"names": [entry.id for entry in entries]}))
     # A row that somebody else has added must not keep the gateway from adding its own.
     highest = connection.scalar(_HIGHEST) or 0
     start = Link(max(head.sequence, highest), head.digest)
-    rows = list(extend(start, (entry for entry in entries if entry.entry_id not in stored)))
+    rows = list(extend(start, (entry for entry in entries if entry.id not in stored)))
     if rows:
         values = [{"sequence": row.sequence, **vars(row.entry), "digest": row.digest} for row in rows]
         connection.execute(_ADD, values)
@@ -108,10 +108,10 @@ def delete_old(connection: sa.Connection, before: datetime, most: int) -> int:
         most: The maximum number of rows that are kept.
     """
     head = _lock_chain(connection)
-    oldest = sa.select(audit.c.sequence, audit.c.digest, audit.c.at).order_by(audit.c.sequence).limit(CHUNK)
+    oldest = sa.select(audit.c.sequence, audit.c.digest, audit.c.acted_at).order_by(audit.c.sequence).limit(CHUNK)
     doomed: list[Link] = []
     for row in connection.execute(oldest):
-        if row.at >= before and row.sequence > head.sequence - most:
+        if row.acted_at >= before and row.sequence > head.sequence - most:
             break
         doomed.append(Link(row.sequence, row.digest))
     if doomed:
@@ -162,9 +162,9 @@ def _conditions(wanted: AuditFilter) -> Iterator[sa.ColumnElement[bool]]:
     if wanted.outcome is not None:
         yield _STATUSES[wanted.outcome]
     if wanted.since is not None:
-        yield audit.c.at >= wanted.since
+        yield audit.c.acted_at >= wanted.since
     if wanted.until is not None:
-        yield audit.c.at < wanted.until
+        yield audit.c.acted_at < wanted.until
 
 
 def _row(row: Any) -> AuditRow:

@@ -19,9 +19,9 @@ MAX_TAGS_LISTED = 1000
 class Note:
     """A note on a goal."""
 
-    note_id: str
+    id: str
     by: str
-    at: datetime
+    created_at: datetime
     text: str
 
 
@@ -117,7 +117,7 @@ def _add(connection: sa.Connection, goal_id: str, note: Note) -> None:
     _lock(connection, goal_id)
     query = sa.select(sa.func.count()).where(goal_notes.c.goal_id == goal_id)
     _require_room(connection.scalar(query) or 0)
-    row = {"note_id": note.note_id, "author": note.by, "written_at": note.at, "text": note.text}
+    row = {"note_id": note.id, "author": note.by, "written_at": note.created_at, "text": note.text}
     connection.execute(sa.insert(goal_notes), row | {"goal_id": goal_id})
 
 

@@ -228,7 +228,7 @@ def audit_entry_of(line: bytes) -> AuditEntry:
     """
     fields = _read_checked(line)
     try:
-        return AuditEntry(**fields | {"at": datetime.fromisoformat(fields["at"])})
+        return AuditEntry(**fields | {"acted_at": datetime.fromisoformat(fields["acted_at"])})
     except (KeyError, TypeError) as error:
         raise ValueError(f"not an entry of this version: {error!r}") from error
 

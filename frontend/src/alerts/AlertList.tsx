@@ -87,7 +87,7 @@ function outsideWords(outside: readonly Alert[]): string {
 /** One alert: what it is, what to do, and who has seen it. */
 const AlertItem = memo(function AlertItem({ alert }: { alert: Alert }) {
   const naming = useNaming();
-  const { id, robot, severity, title, detail, since, goal_id, acknowledged } = alert;
+  const { id, robot, severity, title, detail, started_at, goal_id, acknowledged } = alert;
   const what = robot === null ? title : `${title}: ${naming.fullNameOf(robot)}`;
   return (
     <li
@@ -110,7 +110,7 @@ const AlertItem = memo(function AlertItem({ alert }: { alert: Alert }) {
         </Text>
         <Text size="sm">{detail}</Text>
         <Text size="sm" c="dimmed">
-          {severity === "critical" ? "Critical" : "Warning"}, since <Time value={since} />
+          {severity === "critical" ? "Critical" : "Warning"}, since <Time value={started_at} />
           {goal_id !== null && (
             <>
               {". "}
@@ -134,10 +134,10 @@ interface AcknowledgedProps {
   alert: Alert;
   what: string;
   by: string;
-  at: string;
+  acknowledged_at: string;
 }
 
-function Acknowledged({ alert, what, by, at }: AcknowledgedProps) {
+function Acknowledged({ alert, what, by, acknowledged_at }: AcknowledgedProps) {
   const { http, store } = useFleet();
   const withdraw = useCommand(async () => {
     await createAlerts(http).withdraw(alert.id);
@@ -148,7 +148,7 @@ function Acknowledged({ alert, what, by, at }: AcknowledgedProps) {
     <>
       <Group gap="xs" className={classes.answer}>
         <Text size="sm" role="status">
-          Acknowledged by <strong>{by}</strong> at <Time value={at} />
+          Acknowledged by <strong>{by}</strong> at <Time value={acknowledged_at} />
         </Text>
         <ReasonButton
           variant="subtle"

@@ -7,7 +7,7 @@ export function urgentFirst(alerts: readonly Alert[]): Alert[] {
     (a, b) =>
       Number(a.acknowledged !== null) - Number(b.acknowledged !== null) ||
       Number(b.severity === "critical") - Number(a.severity === "critical") ||
-      Date.parse(b.since) - Date.parse(a.since),
+      Date.parse(b.started_at) - Date.parse(a.started_at),
   );
 }
 

@@ -4,7 +4,7 @@ import type { Json, JsonSchema } from "./jsonSchema";
 type Schemas = components["schemas"];
 
 /** Whether the gateway's settings let somebody use something, and if not, why. */
-export type Use = Schemas["Use"];
+export type Use = Schemas["Permission"];
 export type ParameterInfo = Schemas["ParameterInfo"];
 export type NodeParameters = Schemas["NodeParameters"];
 export type ParameterChange = Schemas["ParameterChange"];

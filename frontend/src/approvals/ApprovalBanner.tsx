@@ -16,7 +16,7 @@ export function ApprovalBanner() {
       <Guarded of={pathname}>
         <Suspense fallback={null}>
           {approvals.map((approval) => (
-            <Question key={approval.approval_id} approval={approval} />
+            <Question key={approval.id} approval={approval} />
           ))}
         </Suspense>
       </Guarded>

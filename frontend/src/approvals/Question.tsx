@@ -16,15 +16,15 @@ const GOAL = 300;
 
 /** Asks whether a robot may get the goal of an agent. */
 export default function Question({ approval }: { approval: Approval }) {
-  const { approval_id, agent, client, robot, action_name, verb, goal, expires_at } = approval;
+  const { id, agent, client, robot, action_name, verb, goal, expires_at } = approval;
   const naming = useNaming();
   const { httpOf, store } = useFleet();
   const answer = useCommand(async (allow: boolean) => {
-    const params = { path: { approval_id: ownId(approval_id, robot) } };
+    const params = { path: { approval_id: ownId(id, robot) } };
     await settle(
       httpOf(robot).PUT("/approvals/{approval_id}/decision", { body: { allow }, params, signal: deadline() }),
     );
-    store.setAnswered(approval_id);
+    store.setAnswered(id);
   });
   const forbidden = useWhyNot("PUT /approvals/{approval_id}/decision");
   const reason = forbidden ?? (answer.isPending ? "The gateway has not answered yet." : null);

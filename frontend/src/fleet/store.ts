@@ -43,7 +43,7 @@ export class FleetStore extends StreamStore<FleetState, FleetTopics> {
 
   /** Takes up that an agent's goal was answered: at once, as people wait for it. */
   setAnswered(approvalId: string): void {
-    const approvals = this.state.approvals.filter(({ approval_id }) => approval_id !== approvalId);
+    const approvals = this.state.approvals.filter(({ id }) => id !== approvalId);
     this.state = { ...this.state, approvals };
     this.shown.flush();
   }
@@ -77,7 +77,7 @@ export interface FleetTopics extends Omit<FleetState, "seen" | "resumed"> {
 
 export type FleetTopic = keyof FleetTopics;
 
-const NO_STOP: StopState = { latched: false, since: null, by: null, robots: [], persisted: true };
+const NO_STOP: StopState = { latched: false, stopped_at: null, by: null, robots: [], persisted: true };
 
 export const initialFleet: FleetState = {
   goals: new Map(),

@@ -128,15 +128,15 @@ function NoteList({ notes, reason, onRemove }: NoteListProps) {
   return (
     <ul className={classes.notes} aria-label="Notes">
       {notes.map((note) => (
-        <li key={note.note_id} className={classes.note}>
+        <li key={note.id} className={classes.note}>
           <Group justify="space-between" gap="xs" align="start" wrap="nowrap">
             <Text size="sm" c="dimmed">
               <Text span fw={600} c="var(--mantine-color-text)">
                 {note.by}
               </Text>{" "}
-              <Time value={note.at} />
+              <Time value={note.created_at} />
             </Text>
-            <DeleteButton note={note} reason={reason} onDelete={() => onRemove(note.note_id)} />
+            <DeleteButton note={note} reason={reason} onDelete={() => onRemove(note.id)} />
           </Group>
           <Text size="sm" className={classes.noteText}>
             {note.text}

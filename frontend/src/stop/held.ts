@@ -27,7 +27,7 @@ export function heldStops(stop: StopState, robots: ReadonlyMap<string, Robot>): 
   const names = [...latched.keys()].sort(byName);
   return [...latched]
     .filter(([held]) => !names.some((other) => other !== held && isUnder(held, other)))
-    .map(([held, { since, by, robots: under, persisted }]) => {
+    .map(([held, { stopped_at: since, by, robots: under, persisted }]) => {
       const below = [...new Set([...names, ...under])]
         .filter((other) => other !== held && isUnder(other, held))
         .sort(byName);

@@ -94,7 +94,7 @@ export const initialState: State = {
   publisher: null,
   actionServer: null,
   undockServer: null,
-  stop: { latched: false, since: null, by: null, robots: [], persisted: true },
+  stop: { latched: false, stopped_at: null, by: null, robots: [], persisted: true },
   simulator: null,
   dropped: 0,
   unread: 0,

@@ -11,7 +11,7 @@ from starlette.types import Receive, Scope, Send
 from dock_gateway.access.logins import Logins
 from dock_gateway.access.tickets import Tickets
 from dock_gateway.app import create_app
-from dock_gateway.core.access import Kind, Principal, forwarded
+from dock_gateway.core.access import Principal, PrincipalKind, forwarded
 from dock_gateway.core.errors import Conflict
 from dock_gateway.core.grant import UNLIMITED, Grant, Role
 from dock_gateway.http.quotas import Quotas
@@ -108,4 +108,4 @@ def test_streams_are_watched_no_longer_than_they_last() -> None:
     with logins.watch(ALICE, lambda: None), logins.watch(ALICE, lambda: None):
         assert ALICE in reachable(logins, Principal)
     assert reachable(logins, Principal) == []
-    assert ALICE.kind is Kind.FORWARDED
+    assert ALICE.kind is PrincipalKind.FORWARDED

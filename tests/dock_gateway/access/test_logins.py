@@ -17,7 +17,7 @@ from dock_gateway.access.credentials import ID_DIGITS, digest_of
 from dock_gateway.access.logins import Logins
 from dock_gateway.access.passwords import Passwords
 from dock_gateway.access.sessions import LIFETIME, MAX_PER_USER
-from dock_gateway.core.access import IDLE, Kind, Principal, Session, Token, User
+from dock_gateway.core.access import IDLE, Principal, PrincipalKind, Session, Token, User
 from dock_gateway.core.errors import Conflict, NotAllowed, NotAuthenticated, NotFound, TooManyRequests, Unavailable
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.request import PERMIT
@@ -102,7 +102,7 @@ def watching(logins: Logins, secret: str) -> Iterator[list[str]]:
 async def test_a_session_says_who_shows_it(site: Site, logins: Logins) -> None:
     principal, secret = await logins.log_in("ada", PASSWORD, HOME)
     assert principal == logins.identify(secret)
-    assert principal == Principal("ada", Kind.USER, OPERATOR, digest_of(secret)[:ID_DIGITS])
+    assert principal == Principal("ada", PrincipalKind.USER, OPERATOR, digest_of(secret)[:ID_DIGITS])
     assert secret.startswith("dgs_")
     stored = repr((await site.users.read(), await site.sessions.read()))
     assert secret not in stored

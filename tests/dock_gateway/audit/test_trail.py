@@ -75,7 +75,7 @@ class Site:
             raise RuntimeError("a bug")
         if robot == "/busy":
             raise Conflict("busy", code="dock_busy")
-        return {"robot": robot or "/", "latched": False, "since": None, "by": None, "namespace": None}
+        return {"robot": robot or "/", "latched": False, "stopped_at": None, "by": None, "namespace": None}
 
     def _no_robot(self, robot: str | None) -> Any:
         raise NotFound(f"there is no robot {robot}", code="robot_not_found")

@@ -28,7 +28,7 @@ from tests.support.audit import NOON, make_entry
 texts = st.text(max_size=20)
 times = st.integers(0, 10**15).map(lambda us: NOON + timedelta(microseconds=us))
 VALUES: dict[str, st.SearchStrategy[Any]] = {
-    field.name: {"at": times, "status": st.integers(100, 599)}.get(
+    field.name: {"acted_at": times, "status": st.integers(100, 599)}.get(
         field.name, texts if field.type == "str" or field.type is str else st.none() | texts
     )
     for field in fields(AuditEntry)
@@ -121,7 +121,7 @@ def test_the_digest_is_the_documented_one() -> None:
     import json
 
     entry = make_entry(1, subject="Schlüssel")
-    fields = {**vars(entry), "sequence": 7, "at": "2026-11-21T12:00:01.000000Z"}
+    fields = {**vars(entry), "sequence": 7, "acted_at": "2026-11-21T12:00:01.000000Z"}
     text = json.dumps(fields, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
     assert digest_of(GENESIS, 7, entry) == hashlib.sha256((GENESIS + text).encode()).hexdigest()
 
@@ -130,7 +130,7 @@ def test_a_digest_does_not_depend_on_the_time_zone() -> None:
     from datetime import timezone
 
     entry = make_entry(1)
-    elsewhere = replace(entry, at=entry.at.astimezone(timezone(timedelta(hours=5))))
+    elsewhere = replace(entry, acted_at=entry.acted_at.astimezone(timezone(timedelta(hours=5))))
     assert digest_of(GENESIS, 1, entry) == digest_of(GENESIS, 1, elsewhere)
 
 

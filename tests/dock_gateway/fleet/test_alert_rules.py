@@ -53,7 +53,7 @@ def robot(
         "publisher": None,
         "stop": {
             "latched": latched,
-            "since": NOON if latched else None,
+            "stopped_at": NOON if latched else None,
             "by": "Ada" if latched else None,
             "persisted": persisted,
         },
@@ -249,8 +249,14 @@ def test_what_happened_to_the_history_is_an_alert_of_no_robot() -> None:
     incident = Incident(NOON, "It was deleted.")
     (alert,) = AlertRules(0.2).evaluate([], [], NOON + timedelta(hours=1), 1000.0, incident=incident)
     document = alert.document(None)
-    named = {name: document[name] for name in ("kind", "robot", "severity", "since", "detail")}
-    expected = {"kind": "history_lost", "robot": None, "severity": "warning", "since": NOON, "detail": incident.detail}
+    named = {name: document[name] for name in ("kind", "robot", "severity", "started_at", "detail")}
+    expected = {
+        "kind": "history_lost",
+        "robot": None,
+        "severity": "warning",
+        "started_at": NOON,
+        "detail": incident.detail,
+    }
     assert named == expected
 
 
@@ -276,7 +282,7 @@ def test_an_alert_as_a_document() -> None:
         "kind": "stop_latched",
         "robot": "/robot1",
         "severity": "critical",
-        "since": NOON,
+        "started_at": NOON,
         "title": "Stopped",
         "detail": alert.detail,
         "goal_id": None,

@@ -23,7 +23,7 @@ from dock_gateway.settings import Settings
 from tests.support.robot_actions import make_robot_actions
 
 NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)
-RELEASED = {"latched": False, "since": None, "by": None, "robots": [], "persisted": True}
+RELEASED = {"latched": False, "stopped_at": None, "by": None, "robots": [], "persisted": True}
 
 
 def battery_message(status: int, percentage: float | None = 0.5) -> bytes:

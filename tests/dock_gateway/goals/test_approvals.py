@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from dock_gateway.core.access import Kind, Principal
+from dock_gateway.core.access import Principal, PrincipalKind
 from dock_gateway.core.errors import Conflict, GatewayError, NotAllowed, NotAuthenticated, NotFound, TooManyRequests
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.request import PERMIT
@@ -40,7 +40,7 @@ class Site:
 
 
 def agent(name: str | None) -> Principal:
-    return Principal(name, Kind.TOKEN, Grant(Role.AGENT), "id")
+    return Principal(name, PrincipalKind.TOKEN, Grant(Role.AGENT), "id")
 
 
 async def test_it_is_answered_once() -> None:
@@ -49,9 +49,9 @@ async def test_it_is_answered_once() -> None:
         asking = site.ask()
         (document,) = await site.waiting()
         assert (document["agent"], document["verb"], document["robot"]) == ("bot", "dock", ROBOT)
-        site.approvals.decide(document["approval_id"], allow=allow, by="ada")
+        site.approvals.decide(document["id"], allow=allow, by="ada")
         with pytest.raises(NotFound):
-            site.approvals.decide(document["approval_id"], allow=True, by="ada")
+            site.approvals.decide(document["id"], allow=True, by="ada")
         if allow:
             await asking
         else:
@@ -68,7 +68,7 @@ async def test_a_grant_sees_its_own() -> None:
     other = Grant(Role.OPERATOR, robots=("/robot2",))
     assert site.approvals.documents(other) == []
     with pytest.raises(NotFound):
-        site.approvals.get(document["approval_id"], other)
+        site.approvals.get(document["id"], other)
     asking.cancel()
 
 
@@ -85,11 +85,11 @@ async def test_a_stop_of_its_robot_drops_it(stopped: str, dropped: bool) -> None
     (document,) = await site.waiting()
     site.approvals.drop(stopped)
     if not dropped:
-        site.approvals.decide(document["approval_id"], allow=True, by=None)
+        site.approvals.decide(document["id"], allow=True, by=None)
         await asking
         return
     with pytest.raises(NotFound):  # at once: whoever allows it now is late
-        site.approvals.decide(document["approval_id"], allow=True, by=None)
+        site.approvals.decide(document["id"], allow=True, by=None)
     with pytest.raises(Conflict) as error:
         await asking
     assert error.value.code == "stopped"

@@ -56,7 +56,7 @@ def test_notes_and_tags(client: Client) -> None:
     assert client.written() == {"tags": [], "notes": []}
     note = client.send("POST", NOTES, 201, json=BLOCKED | {"by": " Ada  "})
     assert {name: note[name] for name in BLOCKED} == BLOCKED
-    assert note["at"].endswith("Z")
+    assert note["created_at"].endswith("Z")
     lines = {"by": "Bob", "text": " one\r\n\ttwo 👩‍🔧\n"}
     other = client.send("POST", NOTES, 201, json=lines)
     assert other["text"] == "one\n\ttwo 👩‍🔧"

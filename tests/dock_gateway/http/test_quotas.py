@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.core.access import ANYBODY, Kind, Principal, forwarded
+from dock_gateway.core.access import ANYBODY, Principal, PrincipalKind, forwarded
 from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.core.grant import UNLIMITED
 from dock_gateway.http.quotas import MINUTE, Quotas
@@ -14,7 +14,7 @@ from dock_gateway.settings import Settings
 
 MOST = 3
 SETTINGS = Settings(max_goals_per_minute=MOST, max_streams_per_user=2, max_exports_per_user=1)
-ADA, BOB = (Principal(name, Kind.TOKEN, UNLIMITED, name) for name in ("ada", "bob"))
+ADA, BOB = (Principal(name, PrincipalKind.TOKEN, UNLIMITED, name) for name in ("ada", "bob"))
 
 
 class Clock:

@@ -7,7 +7,7 @@ import pytest
 
 from tests.support.shapes import check_answer, check_event, noted
 
-STOP = {"latched": False, "since": None, "by": None, "robots": [], "persisted": True}
+STOP = {"latched": False, "stopped_at": None, "by": None, "robots": [], "persisted": True}
 PROBLEM = {"type": "about:blank", "title": "No", "status": 404, "code": "goal_not_found", "detail": "no such goal"}
 HEARTBEAT = {"type": "heartbeat", "id": "1", "time": "2026-11-22T09:00:00Z"}
 JSON, PROBLEM_JSON = "application/json", "application/problem+json"
@@ -43,7 +43,7 @@ def test_a_documented_answer(method: str, path: str, status: int, kind: str, doc
         (STOP | {"extra": 1}, "'extra'"),
         ({name: value for name, value in STOP.items() if name != "by"}, "'by' is a required property"),
         (STOP | {"robots": [1]}, "$.robots[0]: 1 is not of type 'string'"),
-        (STOP | {"since": "yesterday"}, "'yesterday'"),
+        (STOP | {"stopped_at": "yesterday"}, "'yesterday'"),
     ],
 )
 def test_a_shape_that_differs(document: dict[str, Any], difference: str) -> None:

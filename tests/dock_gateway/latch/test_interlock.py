@@ -117,7 +117,7 @@ async def test_who_watches_is_told_which_robot_an_emergency_stop_holds(pair: tup
     pair[0].interlock.on_latch.append(held.append)
     pair[0].interlock.held_by_another("/", "/e_stop")
     assert held == ["/"]
-    assert pair[0].interlock.document("/")["since"] is not None
+    assert pair[0].interlock.document("/")["stopped_at"] is not None
 
 
 async def test_a_robot_that_has_left_is_told_nothing(pair: tuple[Gateway, Gateway]) -> None:
@@ -348,9 +348,9 @@ async def test_a_stop_of_another_gateway_has_a_time_and_says_the_same_after_a_re
     interlock = pair[0].interlock
     hear(interlock, latched=True)
     document = interlock.document("/")
-    assert abs((document["since"] - utc_now()).total_seconds()) < 60
+    assert abs((document["stopped_at"] - utc_now()).total_seconds()) < 60
     assert await interlock.stored(10.0) is None
-    assert LatchFile(tmp_path / "first.json").read()["/"].since == document["since"]
+    assert LatchFile(tmp_path / "first.json").read()["/"].stopped_at == document["stopped_at"]
 
 
 async def test_after_a_release_the_next_release_of_another_gateway_is_heard(pair: tuple[Gateway, Gateway]) -> None:
@@ -409,10 +409,10 @@ async def test_an_emergency_stop_holds_the_robot_until_it_is_released_there(pair
 async def test_the_name_of_who_holds_a_robot_may_become_known_later(pair: tuple[Gateway, Gateway]) -> None:
     gateway, _ = pair
     gateway.interlock.held_by_another("/", "a node on /e_stop")
-    since = gateway.interlock.document("/")["since"]
+    since = gateway.interlock.document("/")["stopped_at"]
     gateway.interlock.held_by_another("/", "/scanner")
     document = gateway.interlock.document("/")
-    assert (document["by"], document["since"]) == ("/scanner", since)
+    assert (document["by"], document["stopped_at"]) == ("/scanner", since)
     gateway.interlock.latch("/", "Ada")
     gateway.interlock.held_by_another("/", "/other")
     assert gateway.interlock.requested_by("/") == "/scanner"  # it is the stop of a person now

@@ -14,14 +14,14 @@ from tests.support.waiting import until
 
 ADA = Latch(datetime(2026, 11, 21, 3, 32, 40, 123456, UTC), "Ada")
 BOB = Latch(datetime(2026, 11, 21, 4, 0, 0, 0, UTC), "Bob")
-GOOD = b'"/robot2": {"since": "2026-11-21T04:00:00Z", "by": "Bob"}'
+GOOD = b'"/robot2": {"stopped_at": "2026-11-21T04:00:00Z", "by": "Bob"}'
 
 
 def test_the_file_gives_back_what_was_written(tmp_path: Path) -> None:
     file = LatchFile(tmp_path / "robots" / "data" / "stops.json")
     assert file.read() == {}
-    file.write({"/": ADA, "/robot1": Latch(BOB.since)})
-    assert LatchFile(file.path).read() == {"/": ADA, "/robot1": Latch(BOB.since)}
+    file.write({"/": ADA, "/robot1": Latch(BOB.stopped_at)})
+    assert LatchFile(file.path).read() == {"/": ADA, "/robot1": Latch(BOB.stopped_at)}
     file.write({})
     assert file.read() == {}
     assert [path.name for path in file.path.parent.iterdir()] == ["stops.json"]
@@ -37,8 +37,8 @@ def test_the_file_gives_back_what_was_written(tmp_path: Path) -> None:
         (b"[]", {"/"}),
         (b"\xff", {"/"}),
         (b'{"/robot1/": {}, ' + GOOD + b"}", {"/", "/robot1", "/robot2"}),
-        (b'{"/robot1": {"since": 1, "by": null}}', {"/", "/robot1"}),
-        (b'{"/robot1": {"since": "2026-11-21T04:00:00", "by": null}}', {"/", "/robot1"}),
+        (b'{"/robot1": {"stopped_at": 1, "by": null}}', {"/", "/robot1"}),
+        (b'{"/robot1": {"stopped_at": "2026-11-21T04:00:00", "by": null}}', {"/", "/robot1"}),
         (b'{"/robot1": null}', {"/", "/robot1"}),
         (b'{"/XAVIER/X/": null}', {"/", "/XAVIER/X"}),
         (b"{" + GOOD + b"}", {"/robot2"}),
@@ -51,7 +51,7 @@ def test_what_cannot_be_read_counts_as_a_stop_of_the_robots_of_the_gateway(
     path.write_bytes(content)
     read = LatchFile(path).read()
     assert set(read) == held
-    assert all(latch.since.tzinfo is not None for latch in read.values())
+    assert all(latch.stopped_at.tzinfo is not None for latch in read.values())
     assert read.get("/robot2", BOB) == BOB
 
 
@@ -59,7 +59,7 @@ def test_what_cannot_be_read_counts_as_a_stop_of_the_robots_of_the_gateway(
     ("content", "why"),
     [
         (b'["robot1"]', "no object: ['robot1']"),
-        (b'{"/a": {"since": "2026-11-21T04:00:00", "by": 1}}', "no stop: {'since'"),
+        (b'{"/a": {"stopped_at": "2026-11-21T04:00:00", "by": 1}}', "no stop: {'stopped_at'"),
     ],
 )
 def test_the_log_says_what_cannot_be_read(

@@ -16,13 +16,13 @@ def test_a_stop_holds_for_what_is_below() -> None:
     documents = latches.documents(["/", "/fleet/robot1", "/robot2", "/fleet/robot1/arm"])
     assert documents["/"] == {
         "latched": False,
-        "since": None,
+        "stopped_at": None,
         "by": None,
         "robots": ["/fleet/robot1", "/fleet/robot1/arm"],
     }
     assert documents["/fleet/robot1"] == {
         "latched": True,
-        "since": ADA.since,
+        "stopped_at": ADA.stopped_at,
         "by": "Ada",
         "robots": ["/fleet/robot1", "/fleet/robot1/arm"],
     }

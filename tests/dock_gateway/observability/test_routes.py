@@ -24,7 +24,7 @@ from tests.support.audit import audit_parts
 from tests.support.history import HistoryInMemory
 from tests.support.shapes import check_answer
 
-STOP = {"latched": True, "since": "2026-11-21T03:32:40Z", "by": "ada", "robots": ["/robot1"], "persisted": True}
+STOP = {"latched": True, "stopped_at": "2026-11-21T03:32:40Z", "by": "ada", "robots": ["/robot1"], "persisted": True}
 SERVER = ServerState("/dock", "pkg/action/Dock", available=False, answering=False)
 SIGHTS = [Sight("/"), Sight("/robot1", battery="/robot1/battery_status"), Sight("/docking", dock="/docking/dock")]
 LINE = 'robots."/robot1".dock_action = "/docking/dock"'

@@ -45,9 +45,9 @@ async def test_all_that_a_stop_does(fleet: FakeFleet) -> None:
     report = await fleet.stopper.stop(by="Ada")
     assert (report.canceling, report.failed, report.unconfirmed, report.problems) == (["a"], [], [], [])
     assert (report.stopped, report.not_stopped) == (list(NAMES), [])
-    assert report.stop | {"since": None} == {
+    assert report.stop | {"stopped_at": None} == {
         "latched": True,
-        "since": None,
+        "stopped_at": None,
         "by": "Ada",
         "robots": list(NAMES),
         "persisted": True,
@@ -69,7 +69,7 @@ async def test_several_robots_are_stopped_by_one_request(fleet: FakeFleet) -> No
     assert not fleet.interlock.holds("/")
     await fleet.stopper.release("/robot2")
     together = (await fleet.stopper.stop("/robot1", "/robot2", latch=False)).stop
-    assert (together["latched"], together["since"], together["robots"]) == (False, None, ["/robot1"])
+    assert (together["latched"], together["stopped_at"], together["robots"]) == (False, None, ["/robot1"])
 
 
 async def test_several_robots_of_which_one_cannot_be_reached(fleet: FakeFleet) -> None:

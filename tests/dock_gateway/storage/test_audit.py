@@ -152,9 +152,7 @@ async def test_swapped_and_inserted_rows_are_found_and_do_not_stop_the_gateway(
 
     def insert(connection: sa.Connection) -> None:
         columns, values = "at, what, status, digest", "FROM audit WHERE sequence = 5"
-        connection.execute(
-            sa.text(f"INSERT INTO audit (sequence, entry_id, {columns}) SELECT 6, 'x', {columns} {values}")
-        )
+        connection.execute(sa.text(f"INSERT INTO audit (sequence, id, {columns}) SELECT 6, 'x', {columns} {values}"))
 
     async with opened(database_url, tmp_path) as history:
         await history.audit.append([make_entry(number) for number in range(5)])
@@ -176,7 +174,7 @@ async def test_a_row_that_cannot_be_read_is_a_fault(sqlite_url: str, tmp_path: P
 
 async def test_the_oldest_rows_are_deleted_and_the_rest_is_still_a_chain(database_url: str, tmp_path: Path) -> None:
     old, now = utc_now() - timedelta(days=2), utc_now()
-    entries = [make_entry(number, at=old if number < 4 else now) for number in range(8)]
+    entries = [make_entry(number, acted_at=old if number < 4 else now) for number in range(8)]
     async with opened(database_url, tmp_path, audit_age=86_400) as history:
         await history.audit.append(entries)
         await history.retention.enforce()
@@ -191,7 +189,7 @@ async def test_the_oldest_rows_are_deleted_and_the_rest_is_still_a_chain(databas
 async def test_more_than_the_limit_are_deleted_also_in_several_transactions(database_url: str, tmp_path: Path) -> None:
     count = 2 * audit.CHUNK + 5
     async with opened(database_url, tmp_path, audit_entries=2) as history:
-        await history.audit.append([make_entry(number, at=utc_now()) for number in range(count)])
+        await history.audit.append([make_entry(number, acted_at=utc_now()) for number in range(count)])
         await history.retention.enforce()
         assert await sequences(history) == [count, count - 1]
         verdict = await check(database_url)

@@ -230,5 +230,5 @@ async def test_each_entry_is_logged_once_with_its_digest(store: Store, caplog: p
     assert document["digest"] == (await store.page(AuditFilter(), limit=3))[-1].digest
     assert document["subject"] == 'a "name"\nof two lines'
     assert "\n" not in first
-    assert orjson.loads(second.removeprefix("not stored yet: "))["entry_id"] == make_entry(2).entry_id
+    assert orjson.loads(second.removeprefix("not stored yet: "))["id"] == make_entry(2).id
     assert orjson.loads(third.removeprefix("not carried out: "))["sequence"] == 3

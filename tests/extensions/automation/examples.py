@@ -4,7 +4,7 @@ from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
-from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome, Mode, Wait
+from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome, RuleMode, WaitReason
 from dock_gateway.extensions.automation.policy import DockingPolicy, RobotFacts, Verdict
 from dock_gateway.extensions.automation.rule import WEEKDAYS, BatteryCondition, RuleEntry, Schedule
 from dock_gateway.http.schema import RobotSelection
@@ -18,7 +18,7 @@ def changed(rule: RuleEntry, **fields: Any) -> RuleEntry:
 NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)  # a Thursday
 LOW_BATTERY = RuleEntry(
     name="Low battery",
-    mode=Mode.ON,
+    mode=RuleMode.ON,
     robots=RobotSelection(all=True),
     battery=BatteryCondition(below=0.2, idle_s=60),
     changed_by="Ada",
@@ -56,7 +56,7 @@ class Site:
             self.decisions[str(len(self.decisions))] = final
         return [*self.decisions.values()][len(self.decisions) - len(self.verdict.decisions) :]
 
-    def waits(self, rule: str = "low", robot: str = "/robot1") -> Wait | None:
+    def waits(self, rule: str = "low", robot: str = "/robot1") -> WaitReason | None:
         """What the rule waits for."""
         return self.verdict.waits.get((rule, robot))
 

@@ -17,7 +17,7 @@ from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.extensions.automation import docking
 from dock_gateway.extensions.automation.activity import Activity
-from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome, Mode
+from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome, RuleMode
 from dock_gateway.extensions.automation.decisions import DecisionLog
 from dock_gateway.extensions.automation.docking import AutomaticDocking
 from dock_gateway.extensions.automation.rule import BatteryCondition, RuleEntry
@@ -43,7 +43,7 @@ class Robot:
     """A robot with an empty battery, and what is sent to its dock server."""
 
     def __init__(self) -> None:
-        self.stop: dict[str, Any] = {"latched": False, "since": utc_now(), "by": "Ada"}
+        self.stop: dict[str, Any] = {"latched": False, "stopped_at": utc_now(), "by": "Ada"}
         self.names = [ROBOT]  # with others that share its dock server
         self.sent: list[str | None] = []
         self.refusal: GatewayError | None = None
@@ -254,7 +254,7 @@ async def test_without_the_history_nothing_docks(site: Site, caplog: pytest.LogC
     with pytest.raises(Unavailable):
         await gateway.decisions.newest(robot=None, rule_id=None, goal_id=None, limit=1)
     with pytest.raises(Unavailable):
-        await gateway.replace("low", changed(AT_ONCE, mode=Mode.OFF))
+        await gateway.replace("low", changed(AT_ONCE, mode=RuleMode.OFF))
     assert sum("no automatic docking" in line for line in caplog.messages) == 1
 
 
@@ -302,7 +302,7 @@ async def test_a_changed_rule_begins_anew_and_gives_up_no_more(site: Site) -> No
 
 async def test_a_gateway_that_does_not_know_of_a_change_yet_decides_nothing_by_the_old_rule(site: Site) -> None:
     first = site.gateway()
-    await first.replace("low", changed(AT_ONCE, mode=Mode.DRY_RUN))
+    await first.replace("low", changed(AT_ONCE, mode=RuleMode.DRY_RUN))
     await site.decided()
     second = site.gateway(sync_every=1_000_000)  # it reads once, at its start
     await until(lambda: [each.outcome for each in second.decisions.all().values()] == [DecisionOutcome.DRY_RUN])

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from dock_gateway.core.errors import Conflict
-from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome, Mode, Wait
+from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome, RuleMode, WaitReason
 from dock_gateway.extensions.automation.past import MAX_ATTEMPTS, require_free
 from dock_gateway.extensions.automation.rule import BatteryCondition
 from dock_gateway.http.schema import RobotSelection
@@ -24,19 +24,19 @@ def site() -> Site:
 
 def test_a_robot_docks_once_it_was_idle_with_a_low_battery(site: Site) -> None:
     assert site.look(0) == []
-    assert (site.waits(), site.verdict.watched) == (Wait.NOT_IDLE, {"/robot1"})
+    assert (site.waits(), site.verdict.watched) == (WaitReason.NOT_IDLE, {"/robot1"})
     assert site.look(59.9) == []
     (decision,) = site.decide(60, EMPTY)
     assert (decision.outcome, decision.robot, decision.rule_name) == (DecisionOutcome.SENT, "/robot1", "Low battery")
-    assert (decision.battery, decision.idle_since, decision.open) == (0.1, NOON, True)
+    assert (decision.battery, decision.idle_since_at, decision.open) == (0.1, NOON, True)
     assert site.look(61) == []
-    assert site.waits() is Wait.RETRY_LATER
+    assert site.waits() is WaitReason.RETRY_LATER
 
 
 def test_both_conditions_hold_for_the_whole_time(site: Site) -> None:
     site.look(0)
     site.look(30, FULL)  # one low value does not count
-    assert (site.waits(), site.verdict.watched) == (Wait.BATTERY_OK, set())
+    assert (site.waits(), site.verdict.watched) == (WaitReason.BATTERY_OK, set())
     assert site.look(60) == site.look(119) == []
     assert site.look(119.5, robot(still_since=100.0)) == []
     assert site.look(120, robot(still_since=60.0)) == [DecisionOutcome.SENT]
@@ -45,21 +45,21 @@ def test_both_conditions_hold_for_the_whole_time(site: Site) -> None:
 @pytest.mark.parametrize(
     ("facts", "wait"),
     [
-        ({"fresh": False}, Wait.BATTERY_UNKNOWN),
-        ({"battery": None}, Wait.BATTERY_UNKNOWN),
-        ({"battery": 0.2}, Wait.BATTERY_OK),
-        ({"docked": True}, Wait.DOCKED),
-        ({"reachable": False}, Wait.SERVER_UNAVAILABLE),
-        ({"shares_dock": True}, Wait.SHARED_ACTION),
-        ({"goal_running": True}, Wait.GOAL_RUNNING),
-        ({"goal_lost": True}, Wait.GOAL_LOST),
-        ({"person_at": 1.0}, Wait.QUIET_PERIOD),
-        ({"still_since": None}, Wait.NOT_IDLE),
-        ({"still_since": 50.0}, Wait.NOT_IDLE),
-        ({"failed_at": NOON}, Wait.RETRY_LATER),
+        ({"fresh": False}, WaitReason.BATTERY_UNKNOWN),
+        ({"battery": None}, WaitReason.BATTERY_UNKNOWN),
+        ({"battery": 0.2}, WaitReason.BATTERY_OK),
+        ({"docked": True}, WaitReason.DOCKED),
+        ({"reachable": False}, WaitReason.SERVER_UNAVAILABLE),
+        ({"shares_dock": True}, WaitReason.SHARED_ACTION),
+        ({"goal_running": True}, WaitReason.GOAL_RUNNING),
+        ({"goal_lost": True}, WaitReason.GOAL_LOST),
+        ({"person_at": 1.0}, WaitReason.QUIET_PERIOD),
+        ({"still_since": None}, WaitReason.NOT_IDLE),
+        ({"still_since": 50.0}, WaitReason.NOT_IDLE),
+        ({"failed_at": NOON}, WaitReason.RETRY_LATER),
     ],
 )
-def test_what_speaks_against_it(site: Site, facts: dict[str, Any], wait: Wait) -> None:
+def test_what_speaks_against_it(site: Site, facts: dict[str, Any], wait: WaitReason) -> None:
     site.look(0)
     assert site.look(60, robot(**facts)) == []
     assert site.waits() is wait
@@ -71,25 +71,25 @@ def test_a_latched_stop_holds_the_robot_and_is_recorded_once(site: Site) -> None
     (held,) = site.decide(60, stopped)
     assert (held.outcome, held.code, held.detail) == (DecisionOutcome.HELD, "stop_latched", "stopped by Ada")
     assert site.look(3600, stopped) == []
-    assert site.waits() is Wait.STOP_LATCHED
+    assert site.waits() is WaitReason.STOP_LATCHED
     released = robot(person_at=3601.0, still_since=3601.0)
     assert site.look(3660, released) == []
     assert site.look(3661, released) == [DecisionOutcome.SENT]
 
 
 def test_a_dry_run_records_once_and_sends_nothing(site: Site) -> None:
-    site.rules["low"] = changed(LOW_BATTERY, mode=Mode.DRY_RUN)
+    site.rules["low"] = changed(LOW_BATTERY, mode=RuleMode.DRY_RUN)
     site.look(0)
     assert site.look(60) == [DecisionOutcome.DRY_RUN]
     assert site.look(7200) == []
-    assert site.waits() is Wait.REPORTED
+    assert site.waits() is WaitReason.REPORTED
     site.look(7300, FULL)
     site.look(7301)
     assert site.look(7361) == [DecisionOutcome.DRY_RUN]
 
 
 def test_a_rule_that_is_off_does_nothing(site: Site) -> None:
-    site.rules["low"] = changed(LOW_BATTERY, mode=Mode.OFF)
+    site.rules["low"] = changed(LOW_BATTERY, mode=RuleMode.OFF)
     site.look(0)
     assert site.look(3600) == []
     assert site.verdict.watched == set()
@@ -113,7 +113,7 @@ def test_it_tries_three_times_and_gives_up_until_the_battery_has_recovered(
         assert site.look(at + 299) == []
     assert site.look(960) == [DecisionOutcome.GAVE_UP]
     assert site.look(9000) == []
-    assert site.waits() is Wait.GAVE_UP
+    assert site.waits() is WaitReason.GAVE_UP
     site.look(9001, robot(battery=0.21))  # around the limit is no recovery
     site.look(9002)
     assert site.look(9062) == []
@@ -155,9 +155,9 @@ def test_a_time_of_day_docks_once() -> None:
     assert site.look(DUE - 31, rested) == []
     assert site.verdict.watched == set()
     assert site.look(DUE - 30, rested) == []
-    assert (site.waits("lunch"), site.verdict.watched) == (Wait.NOT_DUE, {"/robot1"})
+    assert (site.waits("lunch"), site.verdict.watched) == (WaitReason.NOT_DUE, {"/robot1"})
     (decision,) = site.decide(DUE, rested)
-    assert (decision.outcome, decision.scheduled_for) == (DecisionOutcome.SENT, NOON + timedelta(minutes=10))
+    assert (decision.outcome, decision.scheduled_at) == (DecisionOutcome.SENT, NOON + timedelta(minutes=10))
     assert [site.look(DUE + later, rested) for later in (1, 60, 119, 150)] == [[]] * 4
     assert site.look(DUE + 86_400, rested) == [DecisionOutcome.SENT]
 
@@ -177,7 +177,7 @@ def test_a_robot_that_is_busy_at_that_time_has_two_minutes() -> None:
 def test_a_time_of_day_is_not_made_up_for() -> None:
     site = Site(lunch=AT_ONE)
     assert site.look(DUE + 121) == []  # after a restart, say
-    assert site.waits("lunch") is Wait.NOT_DUE
+    assert site.waits("lunch") is WaitReason.NOT_DUE
     assert Site(lunch=AT_ONE).look(DUE + 120) == [DecisionOutcome.SENT]
     later = changed(AT_ONE, changed_at=NOON + timedelta(seconds=DUE + 1))
     assert Site(lunch=later).look(DUE + 2) == []
@@ -215,15 +215,15 @@ def decision(**fields: Any) -> Decision:
 @pytest.mark.parametrize(
     ("stored", "mine"),
     [
-        ({"at": NOON - timedelta(seconds=299)}, {}),
-        ({"at": NOON + timedelta(seconds=2)}, {}),  # by another gateway's clock
+        ({"decided_at": NOON - timedelta(seconds=299)}, {}),
+        ({"decided_at": NOON + timedelta(seconds=2)}, {}),  # by another gateway's clock
         ({"rule_id": "other", "open": False}, {}),
         ({"outcome": DecisionOutcome.DRY_RUN}, {"outcome": DecisionOutcome.DRY_RUN}),
         ({"outcome": DecisionOutcome.HELD}, {"outcome": DecisionOutcome.HELD}),
         ({"outcome": DecisionOutcome.GAVE_UP}, {"outcome": DecisionOutcome.GAVE_UP}),
         (
-            {"scheduled_for": NOON, "at": NOON - timedelta(hours=1), "outcome": DecisionOutcome.SKIPPED},
-            {"scheduled_for": NOON, "open": False},
+            {"scheduled_at": NOON, "decided_at": NOON - timedelta(hours=1), "outcome": DecisionOutcome.SKIPPED},
+            {"scheduled_at": NOON, "open": False},
         ),
     ],
 )
@@ -235,8 +235,8 @@ def test_one_gateway_decides(stored: dict[str, Any], mine: dict[str, Any]) -> No
 @pytest.mark.parametrize(
     "stored",
     [
-        {"at": NOON - timedelta(minutes=5)},
-        {"at": NOON + timedelta(minutes=5)},  # a clock was wrong
+        {"decided_at": NOON - timedelta(minutes=5)},
+        {"decided_at": NOON + timedelta(minutes=5)},  # a clock was wrong
         {"robot": "/robot2"},
         {"outcome": DecisionOutcome.DRY_RUN},
         {"outcome": DecisionOutcome.HELD},
@@ -247,7 +247,7 @@ def test_a_decision_that_is_free(stored: dict[str, Any]) -> None:
 
 
 def test_the_fourth_attempt_is_not_free() -> None:
-    earlier = {str(n): decision(at=NOON - timedelta(hours=n), outcome=DecisionOutcome.SENT) for n in (1, 2, 3)}
+    earlier = {str(n): decision(decided_at=NOON - timedelta(hours=n), outcome=DecisionOutcome.SENT) for n in (1, 2, 3)}
     with pytest.raises(Conflict):
         require_free(decision(), earlier)
     require_free(decision(), {name: replace(each, open=False) for name, each in earlier.items()})
@@ -260,14 +260,14 @@ def test_the_fourth_attempt_is_not_free() -> None:
     ("facts", "obstacle"),
     [
         ({}, None),
-        ({"stopped": "stopped"}, Wait.STOP_LATCHED),
-        ({"goal_running": True}, Wait.GOAL_RUNNING),
-        ({"battery": 0.5}, Wait.BATTERY_OK),
-        ({"fresh": False}, Wait.BATTERY_UNKNOWN),
-        ({"person_at": 59.0, "still_since": 59.0}, Wait.QUIET_PERIOD),
+        ({"stopped": "stopped"}, WaitReason.STOP_LATCHED),
+        ({"goal_running": True}, WaitReason.GOAL_RUNNING),
+        ({"battery": 0.5}, WaitReason.BATTERY_OK),
+        ({"fresh": False}, WaitReason.BATTERY_UNKNOWN),
+        ({"person_at": 59.0, "still_since": 59.0}, WaitReason.QUIET_PERIOD),
     ],
 )
-def test_what_has_changed_since_the_decision(site: Site, facts: dict[str, Any], obstacle: Wait | None) -> None:
+def test_what_has_changed_since_the_decision(site: Site, facts: dict[str, Any], obstacle: WaitReason | None) -> None:
     site.look(0)
     assert site.look(60) == [DecisionOutcome.SENT]
     assert site.policy.obstacle("low", LOW_BATTERY, robot(**facts), 60.5) is obstacle
@@ -275,5 +275,5 @@ def test_what_has_changed_since_the_decision(site: Site, facts: dict[str, Any], 
 
 def test_a_rule_that_was_switched_off_since(site: Site) -> None:
     site.look(0)
-    for rule in (None, changed(LOW_BATTERY, mode=Mode.OFF), changed(LOW_BATTERY, mode=Mode.DRY_RUN)):
-        assert site.policy.obstacle("low", rule, EMPTY, 60.0) is Wait.OFF
+    for rule in (None, changed(LOW_BATTERY, mode=RuleMode.OFF), changed(LOW_BATTERY, mode=RuleMode.DRY_RUN)):
+        assert site.policy.obstacle("low", rule, EMPTY, 60.0) is WaitReason.OFF

@@ -7,7 +7,7 @@ from datetime import datetime, timedelta
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome, Mode
+from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome, RuleMode
 from dock_gateway.extensions.automation.past import MAX_ATTEMPTS, RETRY_INTERVAL
 from dock_gateway.extensions.automation.policy import QUIET_PERIOD, STILL_FOR, RobotFacts
 from dock_gateway.extensions.automation.rule import RuleEntry
@@ -28,12 +28,12 @@ steps = st.tuples(
     ages,  # of a person's doing
     st.sampled_from([DecisionOutcome.SENT, DecisionOutcome.REFUSED]),
 )
-modes = st.sampled_from([Mode.ON, Mode.ON, Mode.DRY_RUN, Mode.OFF])
+modes = st.sampled_from([RuleMode.ON, RuleMode.ON, RuleMode.DRY_RUN, RuleMode.OFF])
 
 
 @settings(max_examples=300, deadline=None)
 @given(st.lists(steps, min_size=1, max_size=40), modes, modes)
-def test_what_always_holds(history: list[tuple[object, ...]], low: Mode, lunch: Mode) -> None:
+def test_what_always_holds(history: list[tuple[object, ...]], low: RuleMode, lunch: RuleMode) -> None:
     rules = {"low": changed(LOW_BATTERY, mode=low), "lunch": changed(AT_ONE, mode=lunch)}
     site = Site(**rules)
     seconds = 0.0
@@ -59,8 +59,8 @@ def test_what_always_holds(history: list[tuple[object, ...]], low: Mode, lunch: 
         assert len(decisions) <= 1
         for decision in decisions:
             rule = rules[decision.rule_id]
-            assert rule.mode is not Mode.OFF
-            assert decision.outcome is not DecisionOutcome.DRY_RUN or rule.mode is Mode.DRY_RUN
+            assert rule.mode is not RuleMode.OFF
+            assert decision.outcome is not DecisionOutcome.DRY_RUN or rule.mode is RuleMode.DRY_RUN
             if decision.outcome in (DecisionOutcome.SENT, DecisionOutcome.REFUSED):
                 since_recovery[decision.rule_id] += 1
                 sent.append((NOON + timedelta(seconds=seconds), decision))
@@ -68,13 +68,13 @@ def test_what_always_holds(history: list[tuple[object, ...]], low: Mode, lunch: 
         assert since_recovery["low"] <= MAX_ATTEMPTS
     times = [time for time, _ in sent]
     assert all(later - time >= RETRY_INTERVAL for time, later in itertools.pairwise(times))
-    due = [decision.scheduled_for for _, decision in sent if decision.scheduled_for is not None]
+    due = [decision.scheduled_at for _, decision in sent if decision.scheduled_at is not None]
     assert len(set(due)) == len(due)
 
 
 def check_facts(rule: RuleEntry, facts: RobotFacts, seconds: float) -> None:
     """What must speak for docking a robot."""
-    assert rule.mode is Mode.ON
+    assert rule.mode is RuleMode.ON
     assert facts.stopped is None
     assert facts.fresh
     assert facts.reachable

@@ -31,7 +31,7 @@ def test_a_map_is_the_same_wherever_it_comes_from() -> None:
     grid = read_grid(message()).signed()
     assert grid.document() == {
         "revision": grid.revision,
-        "stamp": None,
+        "stamped_at": None,
         "frame": "map",
         "resolution": 0.05,
         "width": WIDTH,

@@ -70,9 +70,9 @@ def test_scans_velocities_and_battery_as_seen_from_the_robot(tmp_path: Path) -> 
         sample("/robot1/cmd_vel_raw", twist, 1),
         sample("/robot1/battery_status", BatteryState(voltage=8.0, percentage=math.nan), 2),
     )
-    assert found["scans"] == [{"at": 0.0, "points": [[2.5, 0.0]]}, {"at": 1.0, "points": [[2.5, 0.0]]}]
-    assert found["velocity"] == [{"at": 1.0, "linear": 0.25, "angular": 0.0}]
-    assert found["battery"] == [{"at": 2.0, "voltage": 8.0, "percentage": pytest.approx(math.nan, nan_ok=True)}]
+    assert found["scans"] == [{"offset_s": 0.0, "points": [[2.5, 0.0]]}, {"offset_s": 1.0, "points": [[2.5, 0.0]]}]
+    assert found["velocity"] == [{"offset_s": 1.0, "linear": 0.25, "angular": 0.0}]
+    assert found["battery"] == [{"offset_s": 2.0, "voltage": 8.0, "percentage": pytest.approx(math.nan, nan_ok=True)}]
 
 
 def test_what_makes_no_sense_is_left_out(tmp_path: Path) -> None:
@@ -86,7 +86,7 @@ def test_what_makes_no_sense_is_left_out(tmp_path: Path) -> None:
         sample("/robot1/scan", SCAN, 2),
         sample("/robot1/cmd_vel", TwistStamped(), 3),
     )
-    assert found == {"scans": [], "velocity": [{"at": 3.0, "linear": 0.0, "angular": 0.0}], "battery": []}
+    assert found == {"scans": [], "velocity": [{"offset_s": 3.0, "linear": 0.0, "angular": 0.0}], "battery": []}
 
 
 def test_of_two_lasers_on_one_topic_that_take_turns_one_is_seen(tmp_path: Path) -> None:
@@ -111,7 +111,7 @@ def test_of_several_fixed_frames_a_wrong_one_does_not_hide_the_others(tmp_path: 
         sample("/robot1/odom", Odometry(child_frame_id="base"), -4),
         sample("/robot1/scan", SCAN, 1),
     )
-    assert found["scans"] == [{"at": 1.0, "points": [[2.0, 0.0]]}]
+    assert found["scans"] == [{"offset_s": 1.0, "points": [[2.0, 0.0]]}]
 
 
 VALUES = st.lists(st.sampled_from((math.nan, 0.0, 1.0, -2.0)), min_size=1, max_size=9)
@@ -122,15 +122,15 @@ def test_what_is_thinned_keeps_its_ends_and_extreme_values(
     voltages: list[float], shares: list[float], count: int, dip: int
 ) -> None:
     found = [
-        {"at": index, "voltage": voltages[index % len(voltages)], "percentage": shares[index % len(shares)]}
+        {"offset_s": index, "voltage": voltages[index % len(voltages)], "percentage": shares[index % len(shares)]}
         for index in range(count)
     ]
     found[dip % count]["voltage"] = -9.0
     shown = thinned(found)
     there = [each for each in found if math.isfinite(each["voltage"]) or math.isfinite(each["percentage"])]
     assert min(len(there), MOST // 4) <= len(shown) <= MOST
-    assert [each["at"] for each in shown] == sorted({each["at"] for each in shown})
-    assert {there[0]["at"], there[-1]["at"]} <= {each["at"] for each in shown}
+    assert [each["offset_s"] for each in shown] == sorted({each["offset_s"] for each in shown})
+    assert {there[0]["offset_s"], there[-1]["offset_s"]} <= {each["offset_s"] for each in shown}
     for name in ("voltage", "percentage"):
         before, after = ([each[name] for each in some if math.isfinite(each[name])] for some in (found, shown))
         assert bool(before) == bool(after)
@@ -140,7 +140,7 @@ def test_what_is_thinned_keeps_its_ends_and_extreme_values(
 
 @given(st.lists(st.booleans(), min_size=1, max_size=9), st.integers(1, 2000))
 def test_of_many_scans_those_that_show_something_are_kept(pattern: list[bool], count: int) -> None:
-    found = [{"at": index, "points": [[1.0, 1.0]] * pattern[index % len(pattern)]} for index in range(count)]
+    found = [{"offset_s": index, "points": [[1.0, 1.0]] * pattern[index % len(pattern)]} for index in range(count)]
     shown = thinned(found)
     seen, there = (sum(bool(each["points"]) for each in some) for some in (shown, found))
     assert len(shown) <= MOST
@@ -153,7 +153,7 @@ def test_of_a_recording_of_any_length_a_part_is_held(tmp_path: Path, monkeypatch
     held = []
     monkeypatch.setattr(module, "thinned", lambda found: held.append(len(found)) or thinned(found))
     batteries = [sample("/robot1/battery_status", BatteryState(voltage=8.0), at) for at in range(5000)]
-    times = [each["at"] for each in replay(tmp_path / "goal.mcap", *batteries)["battery"]]
+    times = [each["offset_s"] for each in replay(tmp_path / "goal.mcap", *batteries)["battery"]]
     assert max(held) <= 1000
     assert len(times) <= MOST
     assert (times[0], times[-1] > 4900) == (0.0, True)

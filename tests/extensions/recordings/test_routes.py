@@ -8,14 +8,14 @@ from typing import Any
 import pytest
 from starlette.requests import Request
 
-from dock_gateway.core.access import Kind, Principal
+from dock_gateway.core.access import Principal, PrincipalKind
 from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.extensions.recordings.routes import PIECE, PartResponse, RecordingResponse
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.settings import Settings
 
-ADA = Principal("ada", Kind.TOKEN, Grant(Role.VIEWER, robots=("/robot1",)), "ada")
+ADA = Principal("ada", PrincipalKind.TOKEN, Grant(Role.VIEWER, robots=("/robot1",)), "ada")
 DATA = b"recorded" * PIECE
 SCOPE = {"type": "http", "method": "GET", "headers": [], "principal": ADA, "asgi": {"spec_version": "2.4"}}
 

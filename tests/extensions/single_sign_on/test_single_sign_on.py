@@ -15,7 +15,7 @@ import pytest
 from dock_gateway.access.credentials import ID_DIGITS, digest_of
 from dock_gateway.access.logins import Logins
 from dock_gateway.access.sessions import MAX_PER_USER
-from dock_gateway.core.access import Kind
+from dock_gateway.core.access import PrincipalKind
 from dock_gateway.core.errors import GatewayError, NotAuthenticated, NotFound, Unavailable
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.extensions.single_sign_on import provider as provider_module
@@ -129,7 +129,7 @@ async def test_a_person_logs_in(logins: Logins, fake: FakeProvider) -> None:
 
     principal, secret = await provider_of(logins).log_in(attempt, fake.authorize(address), REDIRECT, HOME)
     assert principal == logins.identify(secret)
-    assert (principal.name, principal.kind, principal.grant) == ("oidc:ada", Kind.PERSON, Grant(Role.OPERATOR))
+    assert (principal.name, principal.kind, principal.grant) == ("oidc:ada", PrincipalKind.PERSON, Grant(Role.OPERATOR))
     (person,) = await provider_of(logins).people.documents()
     assert (person["name"], person["subject"], person["sessions"]) == ("oidc:ada", "4711", 1)
     (stored,) = (await provider_of(logins).people.book.read()).values()
@@ -426,7 +426,7 @@ async def refusal(logins: Logins, token: str) -> str:
 async def test_a_service_shows_an_access_token(logins: Logins, fake: FakeProvider) -> None:
     token = fake.access_token(preferred_username=None, sub="fleet-manager")
     principal = await identify(logins, token)
-    assert (principal.name, principal.kind) == ("oidc:fleet-manager", Kind.SERVICE)
+    assert (principal.name, principal.kind) == ("oidc:fleet-manager", PrincipalKind.SERVICE)
     assert principal.grant == Grant(Role.OPERATOR)
     assert logins.is_valid(principal)
     assert fake.asked == [DISCOVERY, "/keys"]

@@ -6,7 +6,7 @@ from pathlib import Path
 import orjson
 import pytest
 
-from dock_gateway.core.access import Kind
+from dock_gateway.core.access import PrincipalKind
 from dock_gateway.core.errors import NotAuthenticated
 from dock_gateway.core.grant import UNLIMITED, Grant, Role
 from dock_gateway.extensions.sites.admission import HubAdmission
@@ -35,7 +35,7 @@ def test_a_user_of_the_hub_has_at_most_what_the_site_allows(signer: Signer, tmp_
     admit = admission(signer, tmp_path, robots="/hall_a/*")
     grant = Grant(Role.SUPERVISOR, ("*/robot1",))
     alice = admit(signer.sign("berlin", INSTANCE, "alice", grant, *REQUEST, time.time()), *REQUEST)
-    assert (alice.name, alice.kind, alice.grant.role) == ("hub:alice", Kind.FORWARDED, Role.OPERATOR)
+    assert (alice.name, alice.kind, alice.grant.role) == ("hub:alice", PrincipalKind.FORWARDED, Role.OPERATOR)
     covered = [robot for robot in ("/robot1", "/hall_a/robot1", "/hall_a/robot2") if alice.grant.covers_robot(robot)]
     assert covered == ["/hall_a/robot1"]
 

@@ -19,9 +19,9 @@ def test_each_reason_is_logged_once(caplog: pytest.LogCaptureFixture) -> None:
     link = HubLink("berlin")
     for _ in range(2):
         link.lose("hub_silent", "the hub does not answer")
-    since = link.since
+    since = link.changed_at
     link.lose("broker_unavailable", "there is no connection")
-    assert link.since == since
+    assert link.changed_at == since
     for _ in range(2):
         link.refuse("site_name_taken", "the name berlin belongs to another gateway")
     assert link.document()["detail"] == "the name berlin belongs to another gateway"
@@ -30,7 +30,7 @@ def test_each_reason_is_logged_once(caplog: pytest.LogCaptureFixture) -> None:
     assert link.document() == {
         "site": "berlin",
         "state": "connected",
-        "since": link.since,
+        "changed_at": link.changed_at,
         "code": None,
         "detail": None,
     }

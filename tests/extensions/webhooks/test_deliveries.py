@@ -37,7 +37,7 @@ HOOK = WebhookEntry(
 
 def at(seconds: float, event_type: EventType = EventType.RAISED, **fields: Any) -> Delivery:
     moment = NOON + timedelta(seconds=seconds)
-    return replace(NEW, **{"at": moment, "next_at": moment, "event_type": event_type} | fields)
+    return replace(NEW, **{"created_at": moment, "next_at": moment, "event_type": event_type} | fields)
 
 
 def test_a_failed_attempt_is_repeated_ever_later_and_then_given_up() -> None:

@@ -37,7 +37,7 @@ def alert(kind: str, robot: str | None = "/robot1", severity: str = "critical") 
         "kind": kind,
         "robot": robot,
         "severity": severity,
-        "since": NOON,
+        "started_at": NOON,
         "title": kind.title(),
         "detail": "What to do.",
         "goal_id": None,
@@ -116,7 +116,7 @@ async def test_the_beginning_and_the_end_of_each_alert_are_sent_and_signed(site:
     assert sorted(receiver.seen()[2:]) == [(CLEARED, "lost"), (CLEARED, "stop")]
     first, lost, *_ = receiver.events()
     assert first["data"] == STOP | {
-        "since": "2026-01-01T12:00:00Z",
+        "started_at": "2026-01-01T12:00:00Z",
         "display_name": "Left forklift",
         "groups": ["hall 1"],
     }

@@ -18,7 +18,7 @@ from mcp_types.version import MODERN_PROTOCOL_VERSIONS
 from starlette.requests import Request
 
 from dock_gateway.access.carry_out import Command, Fields, carry_out
-from dock_gateway.core.access import Kind, Principal
+from dock_gateway.core.access import Principal, PrincipalKind
 from dock_gateway.core.errors import NotFound
 from dock_gateway.extensions.agents.reading import follow, goal_document
 from dock_gateway.extensions.agents.schema import GoalAnswer
@@ -82,7 +82,7 @@ class Questions:
         own = [identity for identity, each in self._open.items() if each.user == question.user]
         for oldest in own[: max(0, len(own) + 1 - MAX_OPEN)]:
             del self._open[oldest]
-        self._open[question.approval.approval_id] = question
+        self._open[question.approval.id] = question
 
     def take(self, principal: Principal, params: CallToolRequestParams) -> Question:
         """Return the call that is repeated, once.
@@ -172,7 +172,7 @@ class Call:
         settings, session = self._parts[Settings], self._context.session
         capabilities = session.client_capabilities
         asks = capabilities is not None and capabilities.elicitation is not None
-        open_here = not settings.authentication and self._principal.kind is not Kind.FORWARDED
+        open_here = not settings.authentication and self._principal.kind is not PrincipalKind.FORWARDED
         counts = settings.of(AgentSettings).approval_by_client or open_here
         return asks and counts and session.protocol_version in MODERN_PROTOCOL_VERSIONS
 
@@ -195,7 +195,7 @@ class Call:
         text = f"{approval.agent} wants to {what}. Check that the area is clear."
         form = ElicitRequestFormParams(message=text, requested_schema=FORM)
         requests = {QUESTION: ElicitRequest(params=form)}
-        return InputRequiredResult(input_requests=requests, request_state=approval.approval_id)
+        return InputRequiredResult(input_requests=requests, request_state=approval.id)
 
     async def _take_answer(self) -> "asyncio.Task[Fields]":
         """Take the person's answer; return the command that has waited for it. Without an answer it waits on."""
@@ -205,7 +205,7 @@ class Call:
             content: Mapping[str, object] = answer.content or {}
             allow = answer.action == "accept" and content.get(ALLOW) is True
             approval = question.approval
-            fields = {"approval_id": approval.approval_id, "action": approval.action_name, "allow": allow}
+            fields = {"approval_id": approval.id, "action": approval.action_name, "allow": allow}
             subject = f"{'allowed' if allow else 'refused'} in {self._client}"
             with suppress(NotFound):  # it was answered elsewhere meanwhile, which counts
                 await self._carry_out(answer_approval, fields, subject)

@@ -121,7 +121,7 @@ async def explain_goal(parts: Parts, _: Principal, fields: Fields) -> Fields:
 @carries_out(fleet.list_alerts)
 async def list_alerts(parts: Parts, principal: Principal, _: Fields) -> Fields:
     """List the active alerts."""
-    names = ("id", "kind", "robot", "severity", "since", "title", "detail")
+    names = ("id", "kind", "robot", "severity", "started_at", "title", "detail")
     return {"alerts": [{name: alert[name] for name in names} for alert in await fleet.list_alerts(parts, principal)]}
 
 

@@ -204,7 +204,7 @@ class AlertState(Schema):
     kind: str
     robot: str | None
     severity: str
-    since: datetime
+    started_at: datetime
     title: str
     detail: str
 

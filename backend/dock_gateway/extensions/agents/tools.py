@@ -33,7 +33,7 @@ async def answer_approval(parts: Parts, principal: Principal, fields: Fields) ->
     """Take the answer of the person who uses an agent, in the agent's own program."""
     by = f"the user of {principal.name or principal.client}"
     approval = parts[Approvals].decide(fields["approval_id"], allow=fields["allow"], by=by)
-    return {"approval_id": approval.approval_id}
+    return {"approval_id": approval.id}
 
 
 # ---------------------------------------------------------------------- what the tools' arguments mean to commands

@@ -83,7 +83,7 @@ class AuditLog:
         if self._spool is not None:
             try:
                 async for entries in self._spool.read(await self._spool.take_over()):
-                    self._waiting.update((entry.entry_id, entry) for entry in entries)
+                    self._waiting.update((entry.id, entry) for entry in entries)
             except OSError as error:
                 log.error("the spool of the audit log cannot be read: %s", error)
         if self._waiting:
@@ -99,16 +99,16 @@ class AuditLog:
 
     async def until_stored(self, entry: AuditEntry) -> None:
         """Wait until an entry is stored, for half a second at most and only if the history answers."""
-        if not self.answering or entry.entry_id not in self._waiting:
+        if not self.answering or entry.id not in self._waiting:
             return
-        ticket = self._tickets[entry.entry_id] = asyncio.get_running_loop().create_future()
+        ticket = self._tickets[entry.id] = asyncio.get_running_loop().create_future()
         self._urgent.set()
         try:
             with suppress(TimeoutError):
                 async with asyncio.timeout(self._limits.answer_timeout):
                     await ticket
         finally:
-            del self._tickets[entry.entry_id]
+            del self._tickets[entry.id]
 
     def _put(self, entry: AuditEntry) -> None:
         if len(self._waiting) >= self._limits.waiting:
@@ -116,7 +116,7 @@ class AuditLog:
             self._unreported += 1
             log.warning("an entry is lost, as %d wait for the history: %s", len(self._waiting), _text(entry))
             return
-        self._waiting[entry.entry_id] = entry
+        self._waiting[entry.id] = entry
         self._wake.set()
 
     # ------------------------------------------------------------------ the history
@@ -145,7 +145,7 @@ class AuditLog:
             batch = list(islice(self._waiting.values(), BATCH))
             try:
                 # Entries that no answer waits for are written without a sync to the disk, which goals wait for, too.
-                durable = not self._tickets.keys().isdisjoint(entry.entry_id for entry in batch)
+                durable = not self._tickets.keys().isdisjoint(entry.id for entry in batch)
                 rows = await self._store.append(batch, durable=durable)
             except Exception as error:
                 if not isinstance(error, Unavailable):
@@ -159,12 +159,12 @@ class AuditLog:
         return True
 
     def _done(self, batch: Sequence[AuditEntry], rows: Sequence[AuditRow]) -> None:
-        self._log(batch, {row.entry.entry_id: row for row in rows})
+        self._log(batch, {row.entry.id: row for row in rows})
         for entry in batch:
-            del self._waiting[entry.entry_id]
-            self._spooled.discard(entry.entry_id)
-            self._logged.discard(entry.entry_id)
-            ticket = self._tickets.get(entry.entry_id)
+            del self._waiting[entry.id]
+            self._spooled.discard(entry.id)
+            self._logged.discard(entry.id)
+            ticket = self._tickets.get(entry.id)
             if ticket is not None and not ticket.done():
                 ticket.set_result(None)
         if self._unreported:
@@ -174,9 +174,9 @@ class AuditLog:
     def _log(self, batch: Sequence[AuditEntry], rows: dict[str, AuditRow]) -> None:
         # Different messages, so that a flood of one kind does not keep the others out of the log.
         for entry in batch:
-            if entry.entry_id in self._logged:
+            if entry.id in self._logged:
                 continue
-            row = rows.get(entry.entry_id)
+            row = rows.get(entry.id)
             about = {"goal_id": entry.goal_id}
             if row is None:
                 log.info("not stored yet: %s", _text(entry), extra=about)
@@ -184,7 +184,7 @@ class AuditLog:
                 log.info("%s", _text(row), extra=about)
             else:
                 log.info("not carried out: %s", _text(row), extra=about)
-            self._logged.add(entry.entry_id)
+            self._logged.add(entry.id)
 
     # ------------------------------------------------------------------ the spool
 
@@ -204,7 +204,7 @@ class AuditLog:
         if self._spool.lost:  # its file was deleted
             self._spool.lost = False
             self._spooled.clear()
-        self._spooled.update(entry.entry_id for entry in entries)
+        self._spooled.update(entry.id for entry in entries)
 
     async def _empty_spool(self) -> None:
         """Remove the spool's files, as the history has all that is in them."""

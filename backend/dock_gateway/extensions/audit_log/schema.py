@@ -16,8 +16,8 @@ class AuditRecord(Schema):
     """
 
     sequence: int
-    entry_id: str
-    at: datetime
+    id: str
+    acted_at: datetime
     principal: str | None
     role: Role | None
     token_id: str | None

@@ -5,7 +5,7 @@ from datetime import datetime
 from enum import StrEnum
 
 
-class Mode(StrEnum):
+class RuleMode(StrEnum):
     """The mode of a rule whose condition is met: do nothing, record what it would do, or dock the robot."""
 
     OFF = "off"
@@ -40,11 +40,11 @@ class Decision:
         rule_id: The rule.
         rule_name: Its name at that time.
         robot: The namespace of the robot.
-        at: When it was made.
+        decided_at: When it was made.
         outcome: Its outcome.
         battery: The charge that it went by (0 to 1), if measured.
-        idle_since: Since when the robot was idle, and its battery low if that is the condition.
-        scheduled_for: The time of day that it went by, if that is the condition.
+        idle_since_at: Since when the robot was idle, and its battery low if that is the condition.
+        scheduled_at: The time of day that it went by, if that is the condition.
         goal_id: The goal, if one was made.
         code: Why no goal was sent, if none was.
         detail: The same, in words.
@@ -54,18 +54,18 @@ class Decision:
     rule_id: str
     rule_name: str
     robot: str
-    at: datetime
+    decided_at: datetime
     outcome: DecisionOutcome
     battery: float | None
-    idle_since: datetime | None
-    scheduled_for: datetime | None
+    idle_since_at: datetime | None
+    scheduled_at: datetime | None
     goal_id: str | None
     code: str | None
     detail: str | None
     open: bool
 
 
-class Wait(StrEnum):
+class WaitReason(StrEnum):
     """Why a rule does not dock a robot now."""
 
     OFF = "off"

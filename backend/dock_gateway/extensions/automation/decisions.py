@@ -65,7 +65,7 @@ class DecisionLog(SharedEntries[Decision]):
             self._published.add(identity)
         _log(decision)
         self._publish(identity)
-        ended = sorted((each.at, key) for key, each in self.all().items() if not each.open)
+        ended = sorted((each.decided_at, key) for key, each in self.all().items() if not each.open)
         for _, oldest in ended[: -self._most]:
             self.put(oldest, None)
 
@@ -97,7 +97,7 @@ class DecisionLog(SharedEntries[Decision]):
         return {
             identity: decision
             for identity, decision in self.all().items()
-            if decision.outcome is DecisionOutcome.SENDING and decision.at < before
+            if decision.outcome is DecisionOutcome.SENDING and decision.decided_at < before
         }
 
     async def newest(
@@ -110,7 +110,7 @@ class DecisionLog(SharedEntries[Decision]):
         """
         decisions = await self.read()
         found = [
-            (decision.at, identity)
+            (decision.decided_at, identity)
             for identity, decision in decisions.items()
             if robot in (None, decision.robot)
             and rule_id in (None, decision.rule_id)
@@ -139,10 +139,10 @@ def _log(decision: Decision) -> None:
     """Write the one log line of a decision."""
     battery = "unknown" if decision.battery is None else f"{decision.battery:.0%}"
     condition = (
-        f"idle since {decision.idle_since:%H:%M:%S} UTC"
-        if decision.scheduled_for is None and decision.idle_since is not None
-        else f"due at {decision.scheduled_for:%H:%M} UTC"
-        if decision.scheduled_for is not None
+        f"idle since {decision.idle_since_at:%H:%M:%S} UTC"
+        if decision.scheduled_at is None and decision.idle_since_at is not None
+        else f"due at {decision.scheduled_at:%H:%M} UTC"
+        if decision.scheduled_at is not None
         else "idle"
     )
     reason = ", ".join(filter(None, (decision.goal_id and f"goal {decision.goal_id}", decision.code, decision.detail)))

@@ -18,7 +18,7 @@ from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.core.versions import UNCONDITIONAL, Condition
 from dock_gateway.extensions.automation.activity import Activity
-from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome, Mode, Wait
+from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome, RuleMode, WaitReason
 from dock_gateway.extensions.automation.decisions import DecisionLog
 from dock_gateway.extensions.automation.policy import DockingPolicy, RobotFacts
 from dock_gateway.extensions.automation.rule import RuleEntry
@@ -82,7 +82,7 @@ class AutomaticDocking:
         self.decisions = decisions
         self._shared = shared
         self._policy = DockingPolicy()
-        self._waits: dict[tuple[str, str], Wait] = {}
+        self._waits: dict[tuple[str, str], WaitReason] = {}
         self._answers: bool | None = None  # whether the history does
         self._off_since: dict[str, float] = {}  # docked robots whose batteries discharge
         self._deciding: set[str] = set()  # robots
@@ -161,7 +161,7 @@ class AutomaticDocking:
         await self.decisions.save()
 
     def _document(self, rule_id: str, rule: RuleEntry, states: list[RobotState]) -> dict[str, Any]:
-        default = Wait.OFF if rule.mode is Mode.OFF else Wait.DECIDING
+        default = WaitReason.OFF if rule.mode is RuleMode.OFF else WaitReason.DECIDING
         return {
             "id": rule_id,
             "etag": self._rules.etag(rule),
@@ -203,7 +203,7 @@ class AutomaticDocking:
         self._waits = verdict.waits
         self._activity.watch(verdict.watched)
         if not self._answers:
-            self._waits |= {(each.rule_id, each.robot): Wait.HISTORY_UNAVAILABLE for each in verdict.decisions}
+            self._waits |= {(each.rule_id, each.robot): WaitReason.HISTORY_UNAVAILABLE for each in verdict.decisions}
             return
         self.decisions.close_series(verdict.recovered)
         for decision in verdict.decisions:
@@ -217,7 +217,7 @@ class AutomaticDocking:
 
     @property
     def _active(self) -> bool:
-        return any(rule.mode is not Mode.OFF for rule in self._rules.all().values())
+        return any(rule.mode is not RuleMode.OFF for rule in self._rules.all().values())
 
     def _heard(self, *, answers: bool) -> None:
         if not answers and self._answers is not False and self._active:
@@ -297,7 +297,7 @@ class AutomaticDocking:
         facts = {robot.name: robot for robot in self._facts(self._fleet.states()) if robot.name == decision.robot}
         obstacle = self._obstacle(decision, facts)
         if obstacle is not None:
-            held = obstacle is Wait.STOP_LATCHED
+            held = obstacle is WaitReason.STOP_LATCHED
             return replace(
                 decision,
                 outcome=DecisionOutcome.HELD if held else DecisionOutcome.SKIPPED,
@@ -316,10 +316,10 @@ class AutomaticDocking:
             return replace(decision, outcome=outcome, code=error.code, detail=error.detail, goal_id=goal_id)
         return replace(decision, outcome=DecisionOutcome.SENT, goal_id=goal.goal_id)
 
-    def _obstacle(self, decision: Decision, facts: Mapping[str, RobotFacts]) -> Wait | None:
+    def _obstacle(self, decision: Decision, facts: Mapping[str, RobotFacts]) -> WaitReason | None:
         rule, robot = self._rules.all().get(decision.rule_id), facts.get(decision.robot)
         if robot is None:
-            return Wait.SERVER_UNAVAILABLE
+            return WaitReason.SERVER_UNAVAILABLE
         return self._policy.obstacle(decision.rule_id, rule, robot, time.monotonic())
 
     async def _resolve(self, identity: str, decision: Decision) -> None:

@@ -86,7 +86,7 @@ def _alert(decision: Decision) -> Alert:
     return Alert(
         GAVE_UP,
         decision.robot,
-        decision.at,
+        decision.decided_at,
         "Automatic docking gave up",
         f"The rule {decision.rule_name!r} could not dock {decision.robot}, whose battery is low. Check what stopped "
         "it, then send it to its dock.",

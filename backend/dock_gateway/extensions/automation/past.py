@@ -26,10 +26,12 @@ class Past:
             key = (decision.rule_id, decision.robot)
             if decision.open:
                 self.open[key].append(decision)
-            if decision.scheduled_for is not None:
-                self._scheduled.add((key, decision.scheduled_for))
+            if decision.scheduled_at is not None:
+                self._scheduled.add((key, decision.scheduled_at))
             if decision.outcome in ATTEMPTS:
-                self._attempted[decision.robot] = max(decision.at, self._attempted.get(decision.robot, decision.at))
+                self._attempted[decision.robot] = max(
+                    decision.decided_at, self._attempted.get(decision.robot, decision.decided_at)
+                )
 
     def has(self, key: Key, outcome: DecisionOutcome) -> bool:
         """Return whether there is an open decision with this outcome."""
@@ -56,13 +58,13 @@ def require_free(decision: Decision, stored: Mapping[str, Decision]) -> None:
         Conflict: Another gateway was first.
     """
     past, key = Past(stored), (decision.rule_id, decision.robot)
-    if decision.scheduled_for is not None:
-        taken = past.decided(key, decision.scheduled_for)
+    if decision.scheduled_at is not None:
+        taken = past.decided(key, decision.scheduled_at)
     elif decision.outcome is DecisionOutcome.SENDING:
         taken = past.attempts(key) >= MAX_ATTEMPTS
     else:
         taken = past.has(key, decision.outcome)
     if decision.outcome is DecisionOutcome.SENDING:
-        taken = taken or past.is_recent(decision.robot, decision.at)
+        taken = taken or past.is_recent(decision.robot, decision.decided_at)
     if taken:
         raise Conflict("another gateway has decided already")

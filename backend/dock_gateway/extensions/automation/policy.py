@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from datetime import datetime, timedelta
 from typing import Any
 
-from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome, Mode, Wait
+from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome, RuleMode, WaitReason
 from dock_gateway.extensions.automation.past import MAX_ATTEMPTS, RETRY_INTERVAL, Key, Past
 from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.extensions.automation.schedule import last_due, next_due
@@ -79,7 +79,7 @@ class Verdict:
 
     decisions: list[Decision] = field(default_factory=list)
     recovered: list[str] = field(default_factory=list)
-    waits: dict[Key, Wait] = field(default_factory=dict)
+    waits: dict[Key, WaitReason] = field(default_factory=dict)
     watched: set[str] = field(default_factory=set)
 
 
@@ -104,7 +104,7 @@ class DockingPolicy:
 
     def __init__(self) -> None:
         self._low_since: dict[Key, float] = {}
-        self._late: dict[Key, tuple[datetime, Wait]] = {}  # robots that could not be docked at a time of day
+        self._late: dict[Key, tuple[datetime, WaitReason]] = {}  # robots that could not be docked at a time of day
         self._at_dock: dict[Key, datetime] = {}  # robots that were docked at a time of day
 
     def decide(
@@ -135,10 +135,10 @@ class DockingPolicy:
         ]
         looked_at: set[Key] = set()
         for rule_id, rule in sorted(rules.items()):
-            schedule = None if rule.mode is Mode.OFF else rule.schedule
+            schedule = None if rule.mode is RuleMode.OFF else rule.schedule
             last, coming = (None, None) if schedule is None else (last_due(schedule, now), next_due(schedule, now))
             for robot in known.values():
-                if rule.mode is not Mode.OFF and rule.robots.covers(robot.name, robot.groups):
+                if rule.mode is not RuleMode.OFF and rule.robots.covers(robot.name, robot.groups):
                     looked_at.add((rule_id, robot.name))
                     self._decide(verdict, past, Case((rule_id, robot.name), rule, robot, now, seconds, last, coming))
         memories: tuple[dict[Key, Any], ...] = (self._low_since, self._late, self._at_dock)
@@ -147,17 +147,17 @@ class DockingPolicy:
                 del memory[key]
         return verdict
 
-    def obstacle(self, rule_id: str, rule: RuleEntry | None, robot: RobotFacts, seconds: float) -> Wait | None:
+    def obstacle(self, rule_id: str, rule: RuleEntry | None, robot: RobotFacts, seconds: float) -> WaitReason | None:
         """Return what speaks against docking a robot right now, after it was decided; None if nothing does."""
-        if rule is None or rule.mode is not Mode.ON or not rule.robots.covers(robot.name, robot.groups):
-            return Wait.OFF
+        if rule is None or rule.mode is not RuleMode.ON or not rule.robots.covers(robot.name, robot.groups):
+            return WaitReason.OFF
         if not robot.fresh:
-            return Wait.BATTERY_UNKNOWN
+            return WaitReason.BATTERY_UNKNOWN
         if rule.battery is not None and (robot.battery is None or robot.battery >= rule.battery.below):
-            return Wait.BATTERY_OK
+            return WaitReason.BATTERY_OK
         if wait := _obstacle(rule, robot, self._low_since.get((rule_id, robot.name)), seconds):
             return wait
-        return None if robot.stopped is None else Wait.STOP_LATCHED
+        return None if robot.stopped is None else WaitReason.STOP_LATCHED
 
     def _decide(self, verdict: Verdict, past: Past, case: Case) -> None:
         rule, robot, key = case.rule, case.robot, case.key
@@ -167,13 +167,13 @@ class DockingPolicy:
         low_since = self._low_since.get(key)
         if wait is None:
             wait = _obstacle(rule, robot, low_since, case.seconds)
-            if wait is Wait.DOCKED and due is not None:
+            if wait is WaitReason.DOCKED and due is not None:
                 self._at_dock[key] = due
         if wait is None:
             wait, outcome = _next_step(past, case)
         if due is not None:
             wait, outcome = self._in_time(case, due, wait, outcome)
-        verdict.waits[key] = wait or Wait.DECIDING
+        verdict.waits[key] = wait or WaitReason.DECIDING
         if outcome is None or any(decision.robot == robot.name for decision in verdict.decisions):
             return  # or another rule decides first
         since = None if robot.still_since is None else max(robot.still_since, low_since or robot.still_since)
@@ -183,13 +183,13 @@ class DockingPolicy:
                 rule_id=key[0],
                 rule_name=rule.name,
                 robot=robot.name,
-                at=case.now,
+                decided_at=case.now,
                 outcome=outcome,
                 battery=robot.battery if robot.fresh else None,
-                idle_since=None if since is None else case.now - timedelta(seconds=case.seconds - since),
-                scheduled_for=due,
+                idle_since_at=None if since is None else case.now - timedelta(seconds=case.seconds - since),
+                scheduled_at=due,
                 goal_id=None,
-                code=Wait.STOP_LATCHED.value if held else wait.value if wait is not None else None,
+                code=WaitReason.STOP_LATCHED.value if held else wait.value if wait is not None else None,
                 detail=robot.stopped if held else None,
                 open=due is None,
             )
@@ -197,16 +197,16 @@ class DockingPolicy:
 
     # ------------------------------------------------------------------ conditions
 
-    def _unmet(self, verdict: Verdict, case: Case, due: datetime | None) -> Wait | None:
+    def _unmet(self, verdict: Verdict, case: Case, due: datetime | None) -> WaitReason | None:
         """Return why the condition of a rule is not met, or None."""
         robot, condition = case.robot, case.rule.battery
         if condition is None:
             if due is None:
-                return Wait.NOT_DUE
-            return None if robot.fresh else Wait.BATTERY_UNKNOWN
+                return WaitReason.NOT_DUE
+            return None if robot.fresh else WaitReason.BATTERY_UNKNOWN
         if not robot.fresh or robot.battery is None or robot.battery >= condition.below:
             self._low_since.pop(case.key, None)
-            return Wait.BATTERY_OK if robot.fresh and robot.battery is not None else Wait.BATTERY_UNKNOWN
+            return WaitReason.BATTERY_OK if robot.fresh and robot.battery is not None else WaitReason.BATTERY_UNKNOWN
         self._low_since.setdefault(case.key, case.seconds)
         if not robot.docked:
             verdict.watched.add(robot.name)
@@ -225,57 +225,60 @@ class DockingPolicy:
         return due
 
     def _in_time(
-        self, case: Case, due: datetime, wait: Wait | None, outcome: DecisionOutcome | None
-    ) -> tuple[Wait | None, DecisionOutcome | None]:
+        self, case: Case, due: datetime, wait: WaitReason | None, outcome: DecisionOutcome | None
+    ) -> tuple[WaitReason | None, DecisionOutcome | None]:
         """Replace the decision on a time of day that has passed: the robot is not docked any more."""
         if case.now - due <= DUE_FOR:
             if wait is not None and case.robot.heard:
                 self._late[case.key] = (due, wait)
             return wait, outcome
         late = self._late.pop(case.key, None)
-        if late is None or late[0] != due or wait is Wait.DOCKED:
-            return Wait.NOT_DUE, None
+        if late is None or late[0] != due or wait is WaitReason.DOCKED:
+            return WaitReason.NOT_DUE, None
         return late[1], DecisionOutcome.SKIPPED if case.robot.stopped is None else DecisionOutcome.HELD
 
 
-def _obstacle(rule: RuleEntry, robot: RobotFacts, low_since: float | None, seconds: float) -> Wait | None:
+def _obstacle(rule: RuleEntry, robot: RobotFacts, low_since: float | None, seconds: float) -> WaitReason | None:
     """Return why a robot whose condition is met cannot be docked, or None. A latched stop is another matter."""
     still_since = robot.still_since
     still_for = 0.0 if still_since is None else seconds - max(still_since, low_since or still_since)
     obstacles = {
-        Wait.DOCKED: robot.docked,
-        Wait.SERVER_UNAVAILABLE: not robot.reachable,
-        Wait.SHARED_ACTION: robot.shares_dock,
-        Wait.GOAL_RUNNING: robot.goal_running,
-        Wait.GOAL_LOST: robot.goal_lost,
-        Wait.QUIET_PERIOD: robot.stopped is None
+        WaitReason.DOCKED: robot.docked,
+        WaitReason.SERVER_UNAVAILABLE: not robot.reachable,
+        WaitReason.SHARED_ACTION: robot.shares_dock,
+        WaitReason.GOAL_RUNNING: robot.goal_running,
+        WaitReason.GOAL_LOST: robot.goal_lost,
+        WaitReason.QUIET_PERIOD: robot.stopped is None
         and robot.person_at is not None
         and seconds - robot.person_at < QUIET_PERIOD,
-        Wait.NOT_IDLE: still_since is None or still_for < (STILL_FOR if rule.battery is None else rule.battery.idle_s),
+        WaitReason.NOT_IDLE: still_since is None
+        or still_for < (STILL_FOR if rule.battery is None else rule.battery.idle_s),
     }
     return next((wait for wait, applies in obstacles.items() if applies), None)
 
 
-def _next_step(past: Past, case: Case) -> tuple[Wait | None, DecisionOutcome | None]:
+def _next_step(past: Past, case: Case) -> tuple[WaitReason | None, DecisionOutcome | None]:
     """Return what to do with a robot that should dock, or what to wait for."""
     key, robot = case.key, case.robot
     if past.has(key, DecisionOutcome.GAVE_UP):
-        return Wait.GAVE_UP, None
+        return WaitReason.GAVE_UP, None
     if robot.stopped is not None:
-        return Wait.STOP_LATCHED, None if past.has(key, DecisionOutcome.HELD) else DecisionOutcome.HELD
-    if case.rule.mode is Mode.DRY_RUN:
-        return (Wait.REPORTED, None) if past.has(key, DecisionOutcome.DRY_RUN) else (None, DecisionOutcome.DRY_RUN)
+        return WaitReason.STOP_LATCHED, None if past.has(key, DecisionOutcome.HELD) else DecisionOutcome.HELD
+    if case.rule.mode is RuleMode.DRY_RUN:
+        return (
+            (WaitReason.REPORTED, None) if past.has(key, DecisionOutcome.DRY_RUN) else (None, DecisionOutcome.DRY_RUN)
+        )
     failed = robot.failed_at is not None and abs(case.now - robot.failed_at) < RETRY_INTERVAL
     if failed or past.is_recent(robot.name, case.now):
-        return Wait.RETRY_LATER, None
+        return WaitReason.RETRY_LATER, None
     if past.attempts(key) >= MAX_ATTEMPTS:
-        return Wait.GAVE_UP, DecisionOutcome.GAVE_UP
+        return WaitReason.GAVE_UP, DecisionOutcome.GAVE_UP
     return None, DecisionOutcome.SENDING
 
 
 def _has_recovered(rule: RuleEntry | None, robot: RobotFacts | None) -> bool:
     """Return whether a rule starts from the beginning with a robot."""
-    if rule is None or rule.mode is Mode.OFF or rule.battery is None:
+    if rule is None or rule.mode is RuleMode.OFF or rule.battery is None:
         return True
     if robot is None or not robot.fresh:
         return False

@@ -8,7 +8,7 @@ from zoneinfo import ZoneInfo
 from pydantic import AfterValidator, ConfigDict, Field, JsonValue, model_validator
 
 from dock_gateway.core.event import utc_now
-from dock_gateway.extensions.automation.decision import Mode
+from dock_gateway.extensions.automation.decision import RuleMode
 from dock_gateway.http.bodies import Name60, expected
 from dock_gateway.http.schema import RobotSelection, Schema
 
@@ -79,7 +79,7 @@ class RuleFields(Schema):
     """The fields of a rule. Either `battery` or `schedule` is null."""
 
     name: Name60
-    mode: Mode = Mode.OFF
+    mode: RuleMode = RuleMode.OFF
     robots: RobotSelection
     battery: BatteryCondition | None = None
     schedule: Schedule | None = None

@@ -5,7 +5,7 @@ from typing import Literal
 
 from pydantic import ConfigDict
 
-from dock_gateway.extensions.automation.decision import DecisionOutcome, Wait
+from dock_gateway.extensions.automation.decision import DecisionOutcome, WaitReason
 from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.http.resource import Versioned
 from dock_gateway.http.schema import Schema
@@ -15,7 +15,7 @@ class RuleRobot(Schema):
     """A robot that a rule applies to now, and why it is not docked now."""
 
     robot: str
-    waits_for: Wait
+    waits_for: WaitReason
 
 
 class Rule(RuleEntry, Versioned):
@@ -37,8 +37,8 @@ class RuleList(Schema):
 class Decision(Schema):
     """What a rule decided about a robot, and the facts that it went by.
 
-    `battery` is the charge (0 to 1); `idle_since` is when the robot was idle with a low battery, or stood still before
-    a time of day, which is `scheduled_for`. `code` and `detail` say why no goal was sent.
+    `battery` is the charge (0 to 1); `idle_since_at` is when the robot was idle with a low battery, or stood still
+    before a time of day, which is `scheduled_at`. `code` and `detail` say why no goal was sent.
     """
 
     model_config = ConfigDict(
@@ -49,11 +49,11 @@ class Decision(Schema):
                     "rule_id": "low-battery",
                     "rule_name": "Low battery",
                     "robot": "/robot1",
-                    "at": "2026-11-21T21:04:12.182Z",
+                    "decided_at": "2026-11-21T21:04:12.182Z",
                     "outcome": "sent",
                     "battery": 0.18,
-                    "idle_since": "2026-11-21T21:03:12.182Z",
-                    "scheduled_for": None,
+                    "idle_since_at": "2026-11-21T21:03:12.182Z",
+                    "scheduled_at": None,
                     "goal_id": "6a8c2b0a-5c63-4d0e-9c1e-0d7a9c4d5e6f",
                     "code": None,
                     "detail": None,
@@ -66,11 +66,11 @@ class Decision(Schema):
     rule_id: str
     rule_name: str
     robot: str
-    at: datetime
+    decided_at: datetime
     outcome: DecisionOutcome
     battery: float | None
-    idle_since: datetime | None
-    scheduled_for: datetime | None
+    idle_since_at: datetime | None
+    scheduled_at: datetime | None
     goal_id: str | None
     code: str | None
     detail: str | None

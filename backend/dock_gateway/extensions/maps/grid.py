@@ -28,7 +28,7 @@ class Grid:
         resolution: The length of a cell's side, in metres.
         origin: The lower left corner, in the map's frame.
         frame: The name of that frame.
-        stamp: When it was made, as the message says; None if it does not.
+        stamped_at: When it was made, as the message says; None if it does not.
         revision: The same for the same map and for all readers.
     """
 
@@ -36,7 +36,7 @@ class Grid:
     resolution: float
     origin: Pose
     frame: str
-    stamp: datetime | None
+    stamped_at: datetime | None
     revision: str = ""
 
     def signed(self) -> "Grid":
@@ -58,14 +58,14 @@ class Grid:
             raise ValueError(f"an update of {width} by {height} cells at ({x}, {y}) lies beyond {columns} by {rows}")
         cells = self.cells.copy()
         cells[y : y + height, x : x + width] = _cells(message.data, width, height)
-        return replace(self, cells=cells, stamp=_time(message.header.stamp))
+        return replace(self, cells=cells, stamped_at=_time(message.header.stamp))
 
     def document(self) -> dict[str, Any]:
         """Return all but the cells for JSON."""
         height, width = self.cells.shape
         return {
             "revision": self.revision,
-            "stamp": self.stamp,
+            "stamped_at": self.stamped_at,
             "frame": self.frame,
             "resolution": self.resolution,
             "width": width,

@@ -14,7 +14,7 @@ class Grid(Schema):
 
     Attributes:
         revision: The same for the same map; that of the image is in its `ETag`.
-        stamp: When it was made, as its message says; null if it does not.
+        stamped_at: When it was made, as its message says; null if it does not.
         frame: The frame of the origin.
         resolution: The length of a cell's side, in metres.
         width: Number of columns.
@@ -23,7 +23,7 @@ class Grid(Schema):
     """
 
     revision: str
-    stamp: datetime | None
+    stamped_at: datetime | None
     frame: str
     resolution: float
     width: int

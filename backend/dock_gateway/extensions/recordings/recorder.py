@@ -205,7 +205,7 @@ class Recorder:
                 collector.note(
                     {
                         "type": "command",
-                        "time": entry.at,
+                        "time": entry.acted_at,
                         "what": entry.what,
                         "by": entry.principal,
                         "role": entry.role,

@@ -84,7 +84,7 @@ class Replay:
             return
         described = describe(self._decoded(sample))
         at = round((sample.received_ns - self._began_ns) / 1e9, 3)
-        self._found[what].append({"at": at, **described})
+        self._found[what].append({"offset_s": at, **described})
         if _shows(described):  # else the next one may
             self._used_ns[what] = sample.received_ns
         if len(self._found[what]) >= (most := MOST_SCANS if what == "scans" else MOST_HELD):
@@ -119,7 +119,7 @@ def _shows(described: dict[str, Any]) -> bool:
     """Return whether there is something to draw."""
     if "points" in described:
         return bool(described["points"])
-    return any(math.isfinite(value) for name, value in described.items() if name != "at")
+    return any(math.isfinite(value) for name, value in described.items() if name != "offset_s")
 
 
 def thinned(found: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -135,7 +135,7 @@ def thinned(found: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
 def _extremes(found: Sequence[dict[str, Any]]) -> set[int]:
     """Return the indices of the least and the greatest value of each quantity, in each part of the time."""
     kept: set[int] = set()
-    for name in found[0].keys() - {"at", "points"}:
+    for name in found[0].keys() - {"offset_s", "points"}:
         values = np.array([each[name] for each in found], dtype=np.float64)
         for part in np.array_split(np.flatnonzero(np.isfinite(values)), PARTS):
             if len(part):

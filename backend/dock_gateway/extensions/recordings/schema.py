@@ -20,14 +20,14 @@ class GoalRecording(Schema):
 class ReplayScan(Schema):
     """What the laser saw: points (x, y) in metres, as seen from the robot. `at`: seconds since the goal began."""
 
-    at: float
+    offset_s: float
     points: list[list[float]]
 
 
 class ReplayVelocity(Schema):
     """The commanded velocity: m/s and rad/s."""
 
-    at: float
+    offset_s: float
     linear: float | None
     angular: float | None
 
@@ -35,7 +35,7 @@ class ReplayVelocity(Schema):
 class ReplayBattery(Schema):
     """What its battery said: V, and the charge (0 to 1)."""
 
-    at: float
+    offset_s: float
     voltage: float | None
     percentage: float | None
 

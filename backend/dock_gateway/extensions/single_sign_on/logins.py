@@ -7,7 +7,7 @@ from dock_gateway.access.login_delays import PEOPLE
 from dock_gateway.access.login_guard import LoginGuard
 from dock_gateway.access.login_source import LoginPage
 from dock_gateway.access.sessions import MAX_SESSIONS
-from dock_gateway.core.access import Kind, Principal
+from dock_gateway.core.access import Principal, PrincipalKind
 from dock_gateway.extensions.single_sign_on import claims, people
 from dock_gateway.extensions.single_sign_on.jwt import looks_like_jwt
 from dock_gateway.extensions.single_sign_on.login_attempt import LoginAttempt
@@ -80,7 +80,7 @@ class ProviderLogins:
 
     def is_valid(self, principal: Principal) -> bool:
         """Return whether a person is still logged in, or the access token of a service is still valid."""
-        if principal.kind is Kind.SERVICE:
+        if principal.kind is PrincipalKind.SERVICE:
             return self.sso is not None and self.sso.is_valid(principal)
         return principal.credential is not None and self.people.principal(principal.credential) == principal
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from dock_gateway.access.credentials import ID_DIGITS, new_secret
 from dock_gateway.access.sessions import BrowserSessions
-from dock_gateway.core.access import IDLE, Kind, Principal
+from dock_gateway.core.access import IDLE, Principal, PrincipalKind
 from dock_gateway.core.errors import NotAuthenticated, NotFound
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant, Role
@@ -79,7 +79,7 @@ class PersonSessions(BrowserSessions[PersonSession]):
         session = self.book.get(key)
         if session is None or not self._valid(session):
             return None
-        return Principal(session.user, Kind.PERSON, session.grant, key)
+        return Principal(session.user, PrincipalKind.PERSON, session.grant, key)
 
     def _valid(self, session: PersonSession) -> bool:
         return session.valid(self._issuer, utc_now())

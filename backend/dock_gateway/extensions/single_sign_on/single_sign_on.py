@@ -10,7 +10,7 @@ from typing import Any
 from urllib.parse import urlencode, urlsplit
 
 from dock_gateway.access.credentials import ID_DIGITS, digest_of
-from dock_gateway.core.access import Kind, Principal
+from dock_gateway.core.access import Principal, PrincipalKind
 from dock_gateway.core.errors import NotAuthenticated, NotFound, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant
@@ -238,7 +238,7 @@ class SingleSignOn:
         except NotAuthenticated as error:
             raise NotAuthenticated(error.detail, code="invalid_token") from None
         grant = self.rules.grant_of(signed.claims)
-        return Principal(name, Kind.SERVICE, grant, digest_of(token)[:ID_DIGITS], expires_at, signed.key)
+        return Principal(name, PrincipalKind.SERVICE, grant, digest_of(token)[:ID_DIGITS], expires_at, signed.key)
 
     def is_valid(self, principal: Principal) -> bool:
         """Return whether an access token that was valid still is."""

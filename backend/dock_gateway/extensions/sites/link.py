@@ -19,7 +19,7 @@ class HubLink:
     Attributes:
         site: Name of this site.
         state: Whether the hub reaches it.
-        since: Since when.
+        changed_at: When that changed last.
         code: Why it does not: the hub's reason, or that of the connection; while it does, why its requests are refused,
             if this process has not accepted one yet; else None.
         detail: The same as a sentence.
@@ -28,7 +28,7 @@ class HubLink:
 
     site: str
     state: HubState = HubState.UNREACHABLE
-    since: datetime = field(default_factory=utc_now)
+    changed_at: datetime = field(default_factory=utc_now)
     code: str | None = None
     detail: str | None = None
     refused: Counter[str] = field(default_factory=Counter)
@@ -66,7 +66,7 @@ class HubLink:
         """Set the state; return whether it is another one. A log has each reason once, until it is over."""
         changed = (state, code) != (self.state, self.code)
         if state is not self.state:
-            self.since = utc_now()
+            self.changed_at = utc_now()
         self.state, self.code, self.detail = state, code, detail
         return changed
 
@@ -75,7 +75,7 @@ class HubLink:
         return {
             "site": self.site,
             "state": self.state,
-            "since": self.since,
+            "changed_at": self.changed_at,
             "code": self.code,
             "detail": self.detail,
         }

@@ -25,7 +25,7 @@ def open_alerts(deliveries: Mapping[str, Delivery]) -> dict[str, Delivery]:
     """Return the deliveries of raised alerts that no cleared one followed, by their ids."""
     newest = {
         (delivery.webhook_id, delivery.alert_id): (identity, delivery)
-        for identity, delivery in sorted(deliveries.items(), key=lambda item: item[1].at)
+        for identity, delivery in sorted(deliveries.items(), key=lambda item: item[1].created_at)
         if delivery.alert_id is not None
     }
     return {identity: delivery for identity, delivery in newest.values() if delivery.event_type is EventType.RAISED}
@@ -46,7 +46,7 @@ def due(deliveries: Mapping[str, Delivery], now: datetime) -> Iterator[tuple[str
     beginning.
     """
     waiting: set[tuple[str, str]] = set()
-    for identity, delivery in sorted(deliveries.items(), key=lambda item: item[1].at):
+    for identity, delivery in sorted(deliveries.items(), key=lambda item: item[1].created_at):
         if delivery.state is not DeliveryState.PENDING or delivery.alert_id is None:
             continue
         about = (delivery.webhook_id, delivery.alert_id)
@@ -89,7 +89,7 @@ def surplus(deliveries: Mapping[str, Delivery]) -> list[str]:
     still_open = open_alerts(deliveries)
     counting: set[tuple[str, str | None]] = set()
     ended: list[str] = []
-    for identity, delivery in sorted(deliveries.items(), key=lambda item: item[1].at):
+    for identity, delivery in sorted(deliveries.items(), key=lambda item: item[1].created_at):
         about = (delivery.webhook_id, delivery.alert_id)
         if delivery.state is DeliveryState.PENDING or identity in still_open:
             counting.add(about)

@@ -32,7 +32,7 @@ class Delivery:
         event_type: The type of the event.
         state: Whether it was delivered.
         alert_id: The alert; None for a test.
-        at: When it happened.
+        created_at: When it happened.
         body: The body of the request.
         attempts: Number of attempts.
         next_at: When it is sent next; None unless it is pending.
@@ -45,7 +45,7 @@ class Delivery:
     event_type: EventType
     state: DeliveryState
     alert_id: str | None
-    at: datetime
+    created_at: datetime
     body: Json
     attempts: int
     next_at: datetime | None

@@ -69,7 +69,7 @@ class Outbox:
     def of(self, webhook_id: str) -> list[tuple[str, Delivery]]:
         """Return the deliveries of a webhook with their ids, as they were read last, newest first."""
         own = [(identity, each) for identity, each in self._deliveries.all().items() if each.webhook_id == webhook_id]
-        return sorted(own, key=lambda item: (item[1].at, item[0]), reverse=True)
+        return sorted(own, key=lambda item: (item[1].created_at, item[0]), reverse=True)
 
     async def open_before(self, moment: datetime) -> list[Delivery] | None:
         """Return the deliveries of alerts that were raised before a moment and not cleared since.
@@ -78,7 +78,7 @@ class Outbox:
         """
         if not await self._deliveries.sync():
             return None
-        return [each for each in open_alerts(self._deliveries.all()).values() if each.at < moment]
+        return [each for each in open_alerts(self._deliveries.all()).values() if each.created_at < moment]
 
     async def add(self, event_type: EventType, webhook_id: str, alert_id: str, event: Document) -> None:
         """Store the beginning or the end of an alert, and send it, unless another gateway was first.
@@ -87,7 +87,7 @@ class Outbox:
         """
         identity = uuid.uuid4().hex
         raised = find_open(self._deliveries.all(), webhook_id, alert_id)
-        now = utc_now() if raised is None else max(utc_now(), raised.at + timedelta(microseconds=1))
+        now = utc_now() if raised is None else max(utc_now(), raised.created_at + timedelta(microseconds=1))
         delivery = _new(webhook_id, event_type, alert_id, now, {"type": event_type, "timestamp": now} | event)
 
         def check(stored: Any) -> None:
@@ -186,7 +186,7 @@ def _new(webhook_id: str, event_type: EventType, alert_id: str | None, at: datet
         webhook_id=webhook_id,
         event_type=event_type,
         alert_id=alert_id,
-        at=at,
+        created_at=at,
         body=encode(event),
         state=DeliveryState.PENDING,
         attempts=0,
@@ -203,7 +203,7 @@ def delivery_document(identity: str, delivery: Delivery) -> Document:
         "id": identity,
         "webhook_id": delivery.webhook_id,
         "type": delivery.event_type.value,
-        "at": delivery.at,
+        "created_at": delivery.created_at,
         "event": orjson.Fragment(delivery.body),
         "state": delivery.state.value,
         "attempts": delivery.attempts,

@@ -16,7 +16,7 @@ class NotifiedAlert(Alert):
     groups: list[str]
 
 
-class NoAlert(Schema):
+class EmptyAlert(Schema):
     """What a test is about."""
 
 
@@ -26,7 +26,7 @@ class WebhookEvent(Schema):
     type: EventType
     timestamp: datetime
     text: str
-    data: NotifiedAlert | NoAlert
+    data: NotifiedAlert | EmptyAlert
 
 
 class Delivery(Schema):
@@ -39,7 +39,7 @@ class Delivery(Schema):
     id: str
     webhook_id: str
     type: EventType
-    at: datetime
+    created_at: datetime
     event: WebhookEvent
     state: DeliveryState
     attempts: int

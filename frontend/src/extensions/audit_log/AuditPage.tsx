@@ -150,7 +150,7 @@ function AuditTable({ records }: { records: readonly AuditRecord[] }) {
         {records.map((record) => (
           <Table.Tr key={record.sequence}>
             <Table.Td className={classes.time}>
-              <Time value={record.at} />
+              <Time value={record.acted_at} />
             </Table.Td>
             <Table.Td className={classes.name}>
               <Who record={record} />

@@ -142,12 +142,12 @@ function DecisionTable({ decisions }: { decisions: readonly Decision[] }) {
 function DecisionRow({ decision }: { decision: Decision }) {
   const naming = useNaming();
   useZone();
-  const { robot, rule_name, outcome, goal_id, at } = decision;
+  const { robot, rule_name, outcome, goal_id, decided_at } = decision;
   const { words, color } = OUTCOMES[outcome];
   return (
     <Table.Tr>
       <Table.Td className={`tabular ${classes.time}`}>
-        <Time value={at} />
+        <Time value={decided_at} />
       </Table.Td>
       <Table.Td className={classes.robot}>
         <Anchor component={Link} to={robotPath(robot)} size="sm" underline="always">

@@ -5,14 +5,14 @@ type Schemas = components["schemas"];
 
 /** A rule of automatic docking. */
 export type Rule = Schemas["Rule"];
-export type RuleMode = Schemas["Mode"];
+export type RuleMode = Schemas["RuleMode"];
 /** What a client says of a rule; the gateway adds who changed it, and the robots that it applies to. */
 export type RuleBody =
   paths["/automation/rules/{rule_id}"]["put"]["requestBody"]["content"]["application/json"];
 /** What a rule decided about a robot. */
 export type Decision = Schemas["Decision"];
 /** Why a rule does not dock a robot now. */
-export type Wait = Schemas["Wait"];
+export type Wait = Schemas["WaitReason"];
 
 export async function listRules(http: Http): Promise<Rule[]> {
   return (await settle(http.GET("/automation/rules", { signal: deadline() }))).rules;

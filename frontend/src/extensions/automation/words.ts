@@ -75,13 +75,15 @@ export function reasonWords(decision: Decision): string {
   return [factWords(decision), whyNot(decision)].filter((words) => words !== "").join(". ");
 }
 
-function factWords({ battery, idle_since, scheduled_for, at }: Decision): string {
-  if (scheduled_for !== null) {
-    return `Due at ${clock(Date.parse(scheduled_for))}`;
+function factWords({ battery, idle_since_at, scheduled_at, decided_at }: Decision): string {
+  if (scheduled_at !== null) {
+    return `Due at ${clock(Date.parse(scheduled_at))}`;
   }
   const charge = battery === null ? [] : [`Battery ${percentWords(battery)}`];
   const idle =
-    idle_since === null ? [] : [`idle for ${formatDuration(Date.parse(at) - Date.parse(idle_since))}`];
+    idle_since_at === null
+      ? []
+      : [`idle for ${formatDuration(Date.parse(decided_at) - Date.parse(idle_since_at))}`];
   return [...charge, ...idle].join(", ");
 }
 

@@ -72,14 +72,15 @@ export class RecordedScans implements RecordedLayer {
 }
 
 /** What was last recorded at a moment (s); of the end for null, null where nothing is near. */
-export function at<Each extends { at: number }>(
+export function at<Each extends { offset_s: number }>(
   recorded: readonly Each[],
   moment: number | null,
 ): Each | null {
   const last = recorded.length - 1;
-  const index = moment === null ? last : lastUpTo(moment, recorded.length, (each) => recorded[each]?.at ?? 0);
+  const index =
+    moment === null ? last : lastUpTo(moment, recorded.length, (each) => recorded[each]?.offset_s ?? 0);
   const found = recorded[index] ?? null;
-  return found === null || (moment !== null && moment - found.at > OLD_S) ? null : found;
+  return found === null || (moment !== null && moment - found.offset_s > OLD_S) ? null : found;
 }
 
 /** The velocity that was commanded at a moment, and the state of the battery. */

@@ -8,7 +8,7 @@ export default function PendingStops() {
   const { data: sites = [] } = useSites();
   return sites.map(({ name, stop: { pending } }) => {
     if (pending == null) return null;
-    const { robots, by, since } = pending;
+    const { robots, by, stopped_at: since } = pending;
     const held = { robot: `/${name}`, since, by, holds: robots, persisted: true };
     return (
       <Paper

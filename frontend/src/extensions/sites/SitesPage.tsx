@@ -71,7 +71,7 @@ const COLORS: Record<Site["state"], string | null> = {
 };
 
 const SiteRow = memo(function SiteRow({ site }: { site: Site }) {
-  const { name, state, since, version, machine, lag_ms, round_trip_ms, stop } = site;
+  const { name, state, changed_at, version, machine, lag_ms, round_trip_ms, stop } = site;
   const color = COLORS[state];
   return (
     <Table.Tr data-testid={`site ${name}`} className={classes.row}>
@@ -86,7 +86,7 @@ const SiteRow = memo(function SiteRow({ site }: { site: Site }) {
           {color === null ? STATE_WORDS[state] : <Badge color={color}>{STATE_WORDS[state]}</Badge>}
           {stop.latched && <Badge color="red">{stopWords(site)}</Badge>}
           <span className={classes.quiet}>
-            since <Time value={since} />
+            since <Time value={changed_at} />
           </span>
           <Notes site={site} />
         </Stack>

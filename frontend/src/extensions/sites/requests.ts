@@ -7,7 +7,7 @@ export interface Site {
   name: string;
   state: "connected" | "unreachable" | "refused";
   /** When it got into that state. */
-  since: string;
+  changed_at: string;
   /** Null until it was connected once. */
   version: string | null;
   machine: string;
@@ -32,7 +32,7 @@ export interface Site {
 export interface PendingStop {
   robots: string[];
   by: string | null;
-  since: string;
+  stopped_at: string;
 }
 
 interface OneSite {

@@ -100,7 +100,7 @@ function Deliveries({ webhook }: { webhook: Webhook }) {
         ) : (
           <>
             Last {last.state === "delivered" ? "delivered" : "tried"}{" "}
-            <Time value={last.tried_at ?? last.at} />
+            <Time value={last.tried_at ?? last.created_at} />
             {last.state !== "delivered" && `: ${last.error}`}
           </>
         )}
@@ -145,7 +145,7 @@ function Row({ delivery }: { delivery: Delivery }) {
   return (
     <Table.Tr>
       <Table.Td className={`tabular ${classes.time}`}>
-        <Time value={delivery.at} />
+        <Time value={delivery.created_at} />
       </Table.Td>
       <Table.Td className={classes.words}>
         <Text size="sm">{alertWords(delivery, naming)}</Text>

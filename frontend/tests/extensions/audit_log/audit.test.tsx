@@ -9,8 +9,8 @@ import { fakeGateway, renderPage } from "../../page";
 const GOAL = "7d9c1c9e-0000-4000-8000-00000000000a";
 const RECORD: AuditRecord = {
   sequence: 7,
-  entry_id: "a".repeat(32),
-  at: "2026-11-23T09:00:00Z",
+  id: "a".repeat(32),
+  acted_at: "2026-11-23T09:00:00Z",
   principal: "Ada",
   role: "supervisor",
   token_id: "0123456789abcdef",

@@ -38,11 +38,11 @@ const SENT: Decision = {
   rule_id: "low-battery",
   rule_name: "Low battery",
   robot: "/robot1",
-  at: "2026-11-21T10:01:00Z",
+  decided_at: "2026-11-21T10:01:00Z",
   outcome: "sent",
   battery: 0.18,
-  idle_since: "2026-11-21T10:00:00Z",
-  scheduled_for: null,
+  idle_since_at: "2026-11-21T10:00:00Z",
+  scheduled_at: null,
   goal_id: "3f0c",
   code: null,
   detail: null,
@@ -98,7 +98,7 @@ describe("the words", () => {
       ...SENT,
       outcome: "skipped",
       code: "goal_running",
-      scheduled_for: "2026-11-21T10:00:00Z",
+      scheduled_at: "2026-11-21T10:00:00Z",
     };
     expect(reasonWords(skipped)).toMatch(/^Due at .*\. A goal is running$/);
     const refused: Decision = { ...SENT, outcome: "refused", code: "dock_busy", detail: "a goal is running" };

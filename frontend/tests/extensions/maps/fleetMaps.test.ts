@@ -14,7 +14,7 @@ const event = (scenes: Record<string, Scene>): GatewayEvent => ({ type: "scenes"
 
 describe("a map that robots share", () => {
   const grid = {
-    ...{ revision: "1", stamp: null, frame: "map", resolution: 0.05, width: 10, height: 10 },
+    ...{ revision: "1", stamped_at: null, frame: "map", resolution: 0.05, width: 10, height: 10 },
     origin: { x: 0, y: 0, theta: 0 },
   };
   const map = (x: number, topic = "/map") => ({ topic, map: grid, odom: { x, y: 0, theta: 0 }, hint: null });

@@ -18,7 +18,7 @@ const MAP: EventOf<"map"> = {
     topic: "/map",
     map: {
       revision: "1",
-      stamp: null,
+      stamped_at: null,
       frame: "map",
       resolution: 0.05,
       width: 10,

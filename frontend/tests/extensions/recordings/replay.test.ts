@@ -4,11 +4,11 @@ import type { GoalReplay } from "../../../src/extensions/recordings/requests";
 
 const RECORDED: GoalReplay = {
   scans: [
-    { at: 0, points: [[1, 0]] },
-    { at: 2, points: [[2, 0]] },
+    { offset_s: 0, points: [[1, 0]] },
+    { offset_s: 2, points: [[2, 0]] },
   ],
-  velocity: [{ at: 1, linear: 0.25, angular: -0.5 }],
-  battery: [{ at: 1, voltage: 8.756, percentage: null }],
+  velocity: [{ offset_s: 1, linear: 0.25, angular: -0.5 }],
+  battery: [{ offset_s: 1, voltage: 8.756, percentage: null }],
 };
 
 describe("the recording of a goal in its replay", () => {

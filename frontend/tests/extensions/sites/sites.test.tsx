@@ -24,7 +24,7 @@ import { descriptionOf, fakeGateway, renderPage } from "../../page";
 const site = (name: string, change: Partial<Site> = {}): Site => ({
   name,
   state: "connected",
-  since: "2026-11-27T18:00:00Z",
+  changed_at: "2026-11-27T18:00:00Z",
   version: "0.1.0",
   machine: `${name}-box`,
   lag_ms: 300,
@@ -211,7 +211,7 @@ describe("a stop at a hub", () => {
   });
 
   it("stays on the page until it is confirmed or released", async () => {
-    const pending = { robots: ["/oslo"], by: "Ada", since: "2026-11-27T18:00:00Z" };
+    const pending = { robots: ["/oslo"], by: "Ada", stopped_at: "2026-11-27T18:00:00Z" };
     const stop = { latched: false, robots: [], pending };
     answers.set("GET /sites", { sites: [site("berlin"), { ...oslo, stop }] });
     answers.set("DELETE /stop", { sites: {} });

@@ -15,7 +15,7 @@ const LOW: Alert = {
   kind: "low_battery",
   robot: "/robot1",
   severity: "warning",
-  since: "2026-11-23T10:00:00Z",
+  started_at: "2026-11-23T10:00:00Z",
   title: "Low battery",
   detail: "Send the robot to its dock.",
   goal_id: null,
@@ -25,7 +25,7 @@ const SENT: Delivery = {
   id: "d1",
   webhook_id: "room",
   type: "alert.raised",
-  at: "2026-11-23T10:00:00Z",
+  created_at: "2026-11-23T10:00:00Z",
   event: {
     type: "alert.raised",
     timestamp: "2026-11-23T10:00:00Z",

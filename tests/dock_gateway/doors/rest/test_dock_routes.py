@@ -9,7 +9,7 @@ from starlette.testclient import TestClient
 
 from dock_gateway.access.logins import Logins
 from dock_gateway.app import create_app
-from dock_gateway.core.access import Kind, Principal
+from dock_gateway.core.access import Principal, PrincipalKind
 from dock_gateway.core.errors import NotAllowed
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Verb
@@ -106,7 +106,7 @@ def test_no_goal_is_sent_to_an_action_beyond_the_limits(client: TestClient, path
 
 
 async def test_no_goal_is_sent_to_such_an_action_on_a_websocket(parts: LateServer) -> None:
-    principal = Principal("limited", Kind.TOKEN, OURS, "id")
+    principal = Principal("limited", PrincipalKind.TOKEN, OURS, "id")
     with pytest.raises(NotAllowed) as refused:
         await COMMANDS["send_goal"](parts, principal, {"robot": "/robot1"})
     assert refused.value.code == "not_allowed"

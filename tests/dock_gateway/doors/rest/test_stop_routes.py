@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 from dock_gateway.access.carry_out import carry_out
 from dock_gateway.access.logins import Logins
 from dock_gateway.app import create_app
-from dock_gateway.core.access import ANYBODY, Kind, Principal
+from dock_gateway.core.access import ANYBODY, Principal, PrincipalKind
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.settings import Settings
@@ -212,7 +212,7 @@ async def _nothing(_: str | None) -> None:
     "body", [b"", b"{", b"[]", b'{"latch": 1}', b'{"lock": 1}', b'{"by": 7}', b'{"by": "mallory"}']
 )
 async def test_who_is_known_is_named_whatever_the_body(tmp_path: Path, body: bytes) -> None:
-    ada = Principal("ada", Kind.USER, Grant(Role.VIEWER), "id")
+    ada = Principal("ada", PrincipalKind.USER, Grant(Role.VIEWER), "id")
     async with fleet_in(tmp_path) as fleet:
         fleet.parts.replace(Settings, Settings(authentication=True, database_url="sqlite:////nowhere"))
         logins: Any = SimpleNamespace(prepare=_nothing, identify=lambda _: ada)
@@ -224,7 +224,7 @@ async def test_who_is_known_is_named_whatever_the_body(tmp_path: Path, body: byt
 
 
 async def test_who_is_known_is_named_on_a_websocket_too(tmp_path: Path) -> None:
-    ada = Principal("ada", Kind.USER, Grant(Role.VIEWER), "id")
+    ada = Principal("ada", PrincipalKind.USER, Grant(Role.VIEWER), "id")
     async with fleet_in(tmp_path) as fleet:
         report = await command_stop(fleet, {"latch": 1, "by": "mallory"}, ada)
         assert (report["stop"]["latched"], report["stop"]["by"]) == (True, "ada")

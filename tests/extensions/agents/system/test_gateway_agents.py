@@ -220,7 +220,7 @@ async def test_so_does_one_by_rest_with_the_token_of_an_agent(world: World) -> N
     approval = await asyncio.to_thread(waiting, world)
     assert (approval["agent"], approval["client"]) == ("bot", None)
     with world.gateway.stream("?include=robots", headers=bearer(world.operator)) as stream:
-        assert stream.until_type("snapshot")["approvals"][0]["approval_id"] == approval["approval_id"]
+        assert stream.until_type("snapshot")["approvals"][0]["id"] == approval["id"]
         decided = http.put(
             f"/approvals/{approval['approval_id']}/decision", json={"allow": True}, headers=bearer(world.operator)
         )
