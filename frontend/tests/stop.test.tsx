@@ -95,9 +95,6 @@ describe("a warning of the gateway", () => {
     robots: null,
     settings: null,
     gateway: null,
-    limit: null,
-    use: null,
-    role: null,
   };
 
   it("is shown with the stop that it is about, until it is dismissed", async () => {

@@ -44,7 +44,7 @@ class Alert:
 
     def etag(self, acknowledgement: Acknowledgement | None) -> str:
         """Return the entity tag of the alert, which changes with who has acknowledged it."""
-        return entity_tag([self.id, self.since, acknowledgement])
+        return entity_tag([self.id, self.started_at, acknowledgement])
 
     def document(self, acknowledgement: Acknowledgement | None) -> dict[str, Any]:
         """Return the alert as `GET /alerts` shows it, ready for `orjson`."""

@@ -1,4 +1,4 @@
-"""Times, ids and schemas of the documents, of a gateway and of a hub, are named by the rules of docs/compatibility.md."""
+"""Times, ids and schemas of the documents, of a gateway and of a hub, have names by docs/compatibility.md."""
 
 import re
 from collections.abc import Iterator
@@ -14,7 +14,7 @@ from dock_hub.settings import HubSettings
 # `time` is when an event happened; `timestamp` is of Standard Webhooks; `since` and `until` are the span of the query.
 TIMES = {"time", "timestamp", "since", "until"}
 # Leaks of Python and pydantic, and names that say nothing outside of their module.
-LEAKS = re.compile(r"__|-Input$|-Output$|^(PrincipalKind|Mode|Wait|Use|Outcome|State|Type|NoAlert)$")
+LEAKS = re.compile(r"__|-Input$|-Output$|^(Kind|Mode|Wait|Use|Outcome|State|Type|NoAlert)$")
 
 
 def documents() -> Iterator[dict[str, Any]]:
