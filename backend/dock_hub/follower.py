@@ -7,6 +7,7 @@ import time
 from collections.abc import Iterable
 from copy import copy
 from typing import Any, Protocol
+from urllib.parse import quote
 
 import orjson
 
@@ -33,6 +34,8 @@ log = logging.getLogger(__name__)
 RETRY_FIRST, RETRY_LAST = 0.2, 5.0
 # Events of a site that wait for the store; beyond it, the site is not read on.
 MAX_WAITING = 500
+# Characters of a cursor of a site.
+MAX_CURSOR = 200
 # Goals whose state is remembered, so that the end of one can be put together; and the bytes of their messages. As many
 # may wait for the store.
 MAX_GOALS, MAX_GOAL_BYTES = 1000, 8 * 1024 * 1024
@@ -284,7 +287,7 @@ class Follower:
             cursor = document.get("next_cursor")
             if cursor is None or all(each in known and known[each].status.final for each in page):
                 break
-            query = f"limit={PAGE}&cursor={read_goal_id(cursor)}"
+            query = f"limit={PAGE}&cursor={quote(str(cursor)[:MAX_CURSOR], safe='')}"
         return found
 
     async def _find_unfinished(self, found: set[str]) -> None:

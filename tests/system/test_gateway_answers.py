@@ -76,7 +76,7 @@ SAID = without("persisted")  # the disk may be slower than the answer
 PERIOD = entry("parameters", "name", "battery_resume_after", part("value"))
 LABELED = only("display_name", "groups")
 PLACE, GOAL = "/simulator/place", "/goals/{goal}"
-NOTE = entry("notes", "note_id", "{note}")
+NOTE = entry("notes", "id", "{note}")
 ACKNOWLEDGEMENT, ALERT = "/alerts/{alert}/acknowledgement", entry("alerts", "id", "{alert}")
 
 # In the order in which they are carried out. Not among them are commands whose answer is no state (a published

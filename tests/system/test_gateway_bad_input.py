@@ -104,7 +104,7 @@ BODIES: dict[str, tuple[str, str, bytes, int, str]] = {
     "a limit in words": ("GET", "/dock?limit=all", b"", 422, "invalid_field"),
     "a status nobody knows": ("GET", "/dock?status=done", b"", 422, "invalid_field"),
     "a cursor that is none": ("GET", "/dock?cursor=zzz", b"", 422, "invalid_field"),
-    "a cursor of no goal": ("GET", f"/dock?cursor={uuid.UUID(int=7)}", b"", 422, "invalid_field"),
+    "the id of a goal as a cursor": ("GET", f"/dock?cursor={uuid.UUID(int=7)}", b"", 422, "invalid_field"),
     "a goal id that is none": ("GET", "/dock/1234", b"", 422, "invalid_field"),
     "a goal nobody knows": ("GET", f"/dock/{UUID}", b"", 404, "goal_not_found"),
     "a cancel of it": ("POST", f"/dock/{UUID}/cancel", b"", 404, "goal_not_found"),

@@ -122,10 +122,10 @@ async def goal_as_json(history: History, goal: Goal, document: dict[str, Any]) -
 
 async def pages(all_goals: Goals, wanted: GoalFilter) -> AsyncGenerator[list[Goal]]:
     """Yield the matching goals page by page. The first page may be empty."""
-    goals, cursor = await all_goals.page(wanted, GOALS)
+    goals, end = await all_goals.page(wanted, GOALS)
     yield goals
-    while cursor is not None:
-        goals, cursor = await all_goals.page(wanted, GOALS, cursor)
+    while end is not None:
+        goals, end = await all_goals.page(wanted, GOALS, end)
         yield goals
 
 

@@ -4,12 +4,14 @@ from contextlib import suppress
 from typing import Protocol
 
 from dock_gateway.core.dock_adapters.catalog import ADAPTERS
-from dock_gateway.core.errors import FieldError, InvalidField, NotFound, Unavailable
+from dock_gateway.core.errors import NotFound, Unavailable
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.grant import UNLIMITED, Grant
+from dock_gateway.core.position import Position
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.storage import GoalFilter, History
+from dock_gateway.storage.queries import position
 
 # Maximum number of goals of each kind that a new subscriber gets from the history.
 RECENT = 20
@@ -53,21 +55,18 @@ class Goals:
         return goal
 
     async def page(
-        self, wanted: GoalFilter, limit: int = 50, before: str | None = None
-    ) -> tuple[list[Goal], str | None]:
-        """Return a page of goals, newest first, and the cursor of the next page.
+        self, wanted: GoalFilter, limit: int = 50, before: Position | None = None
+    ) -> tuple[list[Goal], Position | None]:
+        """Return a page of goals, newest first, and where it ends if there are more.
 
-        Raises:
-            InvalidField: There is no goal `before` on these actions.
+        Args:
+            wanted: Which goals.
+            limit: Maximum number of goals.
+            before: Where the page before ended. The goal that was there need not be any more.
         """
-        if before is not None:
-            last = self._live.goal(before) or await self._history.get(before)
-            if last is None or not wanted.includes(last.action_name):
-                unknown = "there is no such goal in this list"
-                raise InvalidField([FieldError("cursor", "`next_cursor` of an earlier answer", unknown, "query")])
         goals = await self._history.page(wanted, limit=limit + 1, before=before)
         current = [self._live.goal(goal.goal_id) or goal for goal in goals[:limit]]
-        return current, goals[limit - 1].goal_id if len(goals) > limit else None
+        return current, position(goals[limit - 1]) if len(goals) > limit else None
 
     async def recent(self, event_filter: EventFilter) -> list[Goal]:
         """Return a new subscriber's initial goals: the running and the latest ended ones, newest first."""

@@ -1,6 +1,5 @@
 """`/goals`: the goals of every action, whoever sent them."""
 
-import uuid
 from typing import Annotated, Any, Literal
 
 import orjson
@@ -24,6 +23,7 @@ from dock_gateway.http.requests import (
     CursorQuery,
     GoalId,
     LimitQuery,
+    end_of_page,
     json_response,
     list_response,
 )
@@ -42,13 +42,11 @@ async def list_goals(
     return await answer_page(parts, grant, wanted, limit, cursor)
 
 
-async def answer_page(
-    parts: Parts, grant: Grant, wanted: GoalFilter, limit: int, cursor: uuid.UUID | None
-) -> Answer[Any]:
+async def answer_page(parts: Parts, grant: Grant, wanted: GoalFilter, limit: int, cursor: str | None) -> Answer[Any]:
     """Answer with a page of goals, newest first."""
     position = parts[Fanout].position  # before the list
-    page, next_cursor = await parts[Goals].page(wanted, limit, str(cursor) if cursor else None)
-    document = {"goals": await parts[GoalDocuments].full(page, grant), "next_cursor": next_cursor}
+    page, end = await parts[Goals].page(wanted, limit, end_of_page(cursor))
+    document = {"goals": await parts[GoalDocuments].full(page, grant), "next_cursor": end and end.cursor()}
     return list_response(document, position)
 
 

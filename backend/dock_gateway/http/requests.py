@@ -17,6 +17,7 @@ from dock_gateway.core.errors import FieldError, InvalidField, MalformedRequest,
 from dock_gateway.core.goal import GoalStatus, encode
 from dock_gateway.core.json_text import decode_json
 from dock_gateway.core.namespace import NAMESPACE
+from dock_gateway.core.position import Position, read_cursor
 from dock_gateway.http.parts import parts_of
 from dock_gateway.setting_types import ROS_TOKEN
 from dock_gateway.settings import Settings
@@ -271,7 +272,19 @@ RobotsQuery = Annotated[
 ]
 StatusQuery = Annotated[list[GoalStatus] | None, Query(description="Only goals in these states")]
 LimitQuery = Annotated[int, Query(ge=1, le=500)]
-CursorQuery = Annotated[uuid.UUID | None, Query(description="`next_cursor` of the previous page")]
+CursorQuery = Annotated[str | None, Query(max_length=200, description="`next_cursor` of the previous page")]
+
+
+def end_of_page(cursor: str | None) -> Position | None:
+    """Return where the page before ended; None if this is the first.
+
+    Raises:
+        InvalidField: The cursor is none.
+    """
+    try:
+        return None if cursor is None else read_cursor(cursor)
+    except ValueError as error:
+        raise InvalidField([FieldError("cursor", str(error), got(cursor), "query")]) from None
 
 
 class Answer(Response, Generic[ModelT]):

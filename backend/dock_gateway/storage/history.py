@@ -14,6 +14,7 @@ from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import NEVER, Event, time_id
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal
+from dock_gateway.core.position import Position
 from dock_gateway.core.tasks import cancel
 from dock_gateway.storage import queries
 from dock_gateway.storage.audit import AuditStore
@@ -236,8 +237,8 @@ class History:
 
     # ------------------------------------------------------------------ read
 
-    async def page(self, wanted: GoalFilter, *, limit: int, before: str | None = None) -> list[Goal]:
-        """Return goals, newest first; with `before`, only goals older than that one."""
+    async def page(self, wanted: GoalFilter, *, limit: int, before: Position | None = None) -> list[Goal]:
+        """Return goals, newest first; with `before`, only goals behind that position."""
         self.reader.require_everything()
         read = partial(queries.page_with_waiting, limit=limit, before=before)
         return await self.reader.read(read, wanted, dict(self.waiting.goals))

@@ -14,6 +14,7 @@ import sqlalchemy as sa
 from dock_gateway.core.event import FEEDBACK, KIND_AT, Event
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal, GoalStatus
+from dock_gateway.core.position import Position
 from dock_gateway.storage.merge import merge, merge_all
 from dock_gateway.storage.rows import Batch, Key, event_of, event_row, goal_of, goal_row, key_row
 from dock_gateway.storage.tables import REACHED, events, goal_tags, goals, horizons, idempotency_keys
@@ -134,7 +135,7 @@ def page(
     wanted: GoalFilter,
     *,
     limit: int,
-    before: tuple[datetime, str] | None,
+    before: Position | None,
     without: Sequence[str],
 ) -> list[Goal]:
     """Return goals, newest first; `before` is an exclusive bound of time and id."""
@@ -189,17 +190,12 @@ def tagged(tags: Collection[str]) -> "sa.Select[tuple[str]]":
 
 
 def page_with_waiting(
-    connection: sa.Connection, wanted: GoalFilter, waiting: dict[str, Goal], *, limit: int, before: str | None
+    connection: sa.Connection, wanted: GoalFilter, waiting: dict[str, Goal], *, limit: int, before: Position | None
 ) -> list[Goal]:
     """Return a page of stored and pending goals, newest first."""
-    stored = goals_by_id(connection, [*waiting, *([] if before is None else [before])])
+    stored = goals_by_id(connection, list(waiting))
     known = {**stored, **merge_all(stored, waiting)}
-    limits = None
-    if before is not None:
-        if before not in known:
-            return []
-        limits = position(known[before])
-    found = page(connection, wanted, limit=limit, before=limits, without=list(waiting))
+    found = page(connection, wanted, limit=limit, before=before, without=list(waiting))
     candidates = list(waiting)
     if wanted.tags and waiting:
         query = tagged(wanted.tags).where(goal_tags.c.goal_id.in_(candidates))
@@ -207,7 +203,7 @@ def page_with_waiting(
     found += [
         known[goal_id]
         for goal_id in candidates
-        if wanted.matches(known[goal_id]) and (limits is None or position(known[goal_id]) < limits)
+        if wanted.matches(known[goal_id]) and (before is None or position(known[goal_id]) < before)
     ]
     return sorted(found, key=position, reverse=True)[:limit]
 
@@ -217,9 +213,9 @@ def unfinished_or(connection: sa.Connection, goal_ids: Collection[str]) -> dict[
     return {goal.goal_id: goal for goal in unfinished(connection)} | goals_by_id(connection, goal_ids)
 
 
-def position(goal: Goal) -> tuple[datetime, str]:
+def position(goal: Goal) -> Position:
     """Return the place of a goal in lists."""
-    return goal.created_at, goal.goal_id
+    return Position(goal.created_at, goal.goal_id)
 
 
 # Reads an index once for each name: DISTINCT would read it all.

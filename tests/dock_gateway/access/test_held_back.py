@@ -135,7 +135,7 @@ async def test_the_record_says_when_it_acted() -> None:
     requests = [("PUT", "/users/{user}", {"role": "viewer", "password": PASSWORD}), ("POST", "/session", {"token": ""})]
     for method, path, body in requests:
         await site.ask(method, path, orjson.dumps(body), meanwhile=note)
-        assert site.audit.entries[-1].at >= whole[-1]
+        assert site.audit.entries[-1].acted_at >= whole[-1]
 
 
 async def test_a_body_is_asked_for_only_if_the_head_may_send_it() -> None:

@@ -91,7 +91,7 @@ def test_a_robot_that_is_well() -> None:
 def test_one_alert_for_a_stop_of_all() -> None:
     stopped = [robot(name, latched=True) for name in ("/", "/robot1", "/robot1/arm")]
     (alert,) = Looks().alerts(0, *stopped)
-    assert (alert.kind, alert.robot, alert.since) == (alert_kinds.STOP_LATCHED, "/", NOON)
+    assert (alert.kind, alert.robot, alert.started_at) == (alert_kinds.STOP_LATCHED, "/", NOON)
     assert alert.detail.startswith("Ada stopped / and 2 below it")
     separate = Looks().alerts(0, robot("/"), robot("/robot1", latched=True), robot("/robot10", latched=True))
     assert {alert.robot for alert in separate} == {"/robot1", "/robot10"}
@@ -101,7 +101,7 @@ def test_a_lost_goal_for_an_hour_at_most() -> None:
     lost = goal("/robot1/dock", GoalStatus.LOST)
     lost.error = GoalError("action_server_lost", "the action server left the ROS graph")
     (alert,) = Looks().alerts(1, robot(lost=[lost]))
-    assert (alert.kind, alert.goal_id, alert.since) == (alert_kinds.GOAL_LOST, "a", NOON)
+    assert (alert.kind, alert.goal_id, alert.started_at) == (alert_kinds.GOAL_LOST, "a", NOON)
     assert "the action server left the ROS graph" in alert.detail
     assert Looks().alerts(3601, robot(lost=[lost])) == []
     (stray,) = Looks().alerts(1, strays=(goal("/fibonacci", GoalStatus.LOST),))
@@ -128,7 +128,7 @@ def test_a_docked_robot_without_power(docked: dict[str, Any]) -> None:
     looks = Looks()
     assert looks.kinds(0, robot(**docked)) == looks.kinds(9.9, robot(**docked)) == []
     (alert,) = looks.alerts(10, robot(**docked))
-    assert (alert.kind, alert.since) == (alert_kinds.DISCHARGING_ON_DOCK, NOON)
+    assert (alert.kind, alert.started_at) == (alert_kinds.DISCHARGING_ON_DOCK, NOON)
     assert looks.kinds(11, robot(supply=CHARGING, left_docked=True)) == []
     assert looks.kinds(12, robot(**docked)) == []  # it begins anew
 
@@ -152,7 +152,7 @@ def test_a_low_battery_until_it_is_well_above() -> None:
     looks = Looks()
     assert looks.kinds(0, robot(percentage=0.2)) == []
     (alert,) = looks.alerts(1, robot(percentage=0.19))
-    assert (alert.kind, alert.since) == (alert_kinds.LOW_BATTERY, NOON + timedelta(seconds=1))
+    assert (alert.kind, alert.started_at) == (alert_kinds.LOW_BATTERY, NOON + timedelta(seconds=1))
     assert "20%" in alert.detail
     (same,) = looks.alerts(2, robot(percentage=0.24))
     assert same == alert
@@ -202,12 +202,12 @@ def test_an_implausible_battery_is_one_warning_and_no_low_battery() -> None:
     looks = Looks()
     wrong = robot(percentage=None, doubts=(WRONG,), named=(WRONG,))
     (alert,) = looks.alerts(0, wrong)
-    assert (alert.kind, alert.since, alert.kind.critical) == (alert_kinds.BATTERY_IMPLAUSIBLE, NOON, False)
+    assert (alert.kind, alert.started_at, alert.kind.critical) == (alert_kinds.BATTERY_IMPLAUSIBLE, NOON, False)
     assert "/robot1/battery_status" in alert.detail
     assert "percentage is 12, but should be 0 to 1. Name the robot." in alert.detail
     assert looks.alerts(60, wrong) == [alert]
     assert looks.kinds(61, robot()) == []
-    assert looks.alerts(62, wrong)[0].since == NOON + timedelta(seconds=62)
+    assert looks.alerts(62, wrong)[0].started_at == NOON + timedelta(seconds=62)
     assert looks.kinds(63, robot(percentage=None, doubts=(WRONG,))) == []  # it may have just started
 
 
@@ -232,7 +232,7 @@ def test_a_battery_that_fell_silent() -> None:
     silent = robot(stale_since=NOON)
     assert looks.kinds(5, silent) == []
     (alert,) = looks.alerts(5.1, silent)
-    assert (alert.kind, alert.since) == (alert_kinds.BATTERY_STALE, NOON)
+    assert (alert.kind, alert.started_at) == (alert_kinds.BATTERY_STALE, NOON)
     assert "/robot1/battery_status" in alert.detail
     assert looks.kinds(6, robot()) == []
 
@@ -300,12 +300,12 @@ def test_two_servers_of_one_robot_are_one_alert() -> None:
 
     look(0, robot1=["/robot1/undock"])
     (alert,) = look(5, robot1=["/robot1/undock", "/robot1/dock"])
-    assert (alert.kind, alert.robot, alert.since) == (alert_kinds.DUPLICATE_ACTION_SERVER, "/robot1", NOON)
+    assert (alert.kind, alert.robot, alert.started_at) == (alert_kinds.DUPLICATE_ACTION_SERVER, "/robot1", NOON)
     assert alert.kind.critical
     assert "serves /robot1/dock and /robot1/undock" in alert.detail
     assert look(6) == []
     (again,) = look(7, robot1=["/robot1/dock"])
-    assert again.since == NOON + timedelta(seconds=7)
+    assert again.started_at == NOON + timedelta(seconds=7)
 
 
 def test_a_finding_is_an_alert_since_it_was_first_seen() -> None:
@@ -316,10 +316,10 @@ def test_a_finding_is_an_alert_since_it_was_first_seen() -> None:
 
     wrong = Finding(FindingKind.WRONG_TOPIC_TYPE, "/", "Wrong", "One.")
     (alert,) = look(0, wrong)
-    assert (alert.kind, alert.robot, alert.since, alert.critical) == (kind, "/", NOON, False)
+    assert (alert.kind, alert.robot, alert.started_at, alert.critical) == (kind, "/", NOON, False)
     (worse,) = look(5, Finding(FindingKind.WRONG_TOPIC_TYPE, "/", "Wrong", "Two.", critical=True))
-    assert (worse.id, worse.since, worse.detail) == (alert.id, NOON, "Two.")
+    assert (worse.id, worse.started_at, worse.detail) == (alert.id, NOON, "Two.")
     assert worse.document(None)["severity"] == "critical"
     assert look(6) == []
     (again,) = look(7, wrong)
-    assert again.since == NOON + timedelta(seconds=7)
+    assert again.started_at == NOON + timedelta(seconds=7)

@@ -64,11 +64,11 @@ def test_notes_and_tags(client: Client) -> None:
     assert tags == {"tags": ["blocked", "maintenance"]}
     assert client.send("GET", "/goals/tags") == tags
     assert client.written() == tags | {"notes": [note, other]}
-    client.send("DELETE", f"{NOTES}/{note['note_id']}", 204)
+    client.send("DELETE", f"{NOTES}/{note['id']}", 204)
     assert client.written() == tags | {"notes": [other]}
     (listed,) = client.send("GET", "/goals?tag=blocked")["goals"]
     assert listed == client.send("GET", PATH)
-    assert client.send("DELETE", f"{NOTES}/{note['note_id']}", 404)["code"] == "note_not_found"
+    assert client.send("DELETE", f"{NOTES}/{note['id']}", 404)["code"] == "note_not_found"
     assert client.send("DELETE", f"{NOTES}/%00", 422)["errors"][0]["path"] == "note_id"
     assert client.send("GET", f"/goals/{GOAL.replace('-', '').upper()}") == listed
     assert client.send("PUT", TAGS, json={"tags": []})["tags"] == []

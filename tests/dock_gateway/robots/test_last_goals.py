@@ -8,6 +8,7 @@ import pytest
 
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.goal import Goal, GoalStatus
+from dock_gateway.core.position import Position
 from dock_gateway.robots.last_goals import READ, LastGoals, latest
 from dock_gateway.storage import GoalFilter
 from tests.support.history import HistoryInMemory
@@ -28,7 +29,7 @@ class AwayHistory(HistoryInMemory):
 
     away = True
 
-    async def page(self, wanted: GoalFilter, *, limit: int, before: str | None = None) -> list[Goal]:
+    async def page(self, wanted: GoalFilter, *, limit: int, before: Position | None = None) -> list[Goal]:
         if self.away:
             raise Unavailable("away", code="history_unavailable")
         return await super().page(wanted, limit=limit, before=before)

@@ -43,10 +43,10 @@ async def test_notes_and_tags_are_stored_and_deleted(place: str, tmp_path: Path)
             "goal-0002": ("blocked", "Ärger"),
         }
         assert await store.all_tags() == ["blocked", "maintenance", "Ärger"]
-        await store.remove("goal-0001", note(2).note_id)
+        await store.remove("goal-0001", note(2).id)
         for goal_id in ("goal-0001", "goal-0002"):
             with pytest.raises(NotFound, match="has no note") as refused:
-                await store.remove(goal_id, note(2).note_id)
+                await store.remove(goal_id, note(2).id)
             assert refused.value.code == "note_not_found"
         await store.replace_tags("goal-0002", [])
         assert await store.of(["goal-0001", "goal-0002", "goal-0003"]) == {

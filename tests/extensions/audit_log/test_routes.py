@@ -41,7 +41,7 @@ def test_reading_is_for_admins_and_recorded(site: Site) -> None:
         assert ([record["sequence"] for record in second["records"]], second["next_cursor"]) == ([3, 2, 1], None)
         assert http.get("/audit", params={"outcome": "refused"}).json()["records"] == []
         assert http.get("/audit", params={"robot": "/robot1", "what": "dock"}).json()["records"]
-        for wrong in ({"outcome": "x"}, {"robot": "a b"}, {"goal_id": "x"}, {"cursor": 0}, {"who": "x"}):
+        for wrong in ({"outcome": "x"}, {"robot": "a b"}, {"goal_id": "x"}, {"cursor": "0"}, {"who": "x"}):
             assert http.get("/audit", params=wrong).status_code == 422
         site.audit.entries.clear()
         sheet = http.get("/audit/export", params={"format": "csv"})

@@ -128,7 +128,7 @@ class Site:
             return [] if any(each.outcome is DecisionOutcome.SENDING for each in found) else found
 
         await until(lambda: len(all_final()) >= count)
-        return sorted(all_final(), key=lambda decision: decision.at)
+        return sorted(all_final(), key=lambda decision: decision.decided_at)
 
 
 @pytest.fixture

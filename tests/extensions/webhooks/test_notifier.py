@@ -86,7 +86,7 @@ class Site:
 
     async def states(self) -> list[DeliveryState]:
         stored = await self.deliveries.read()
-        return [each.state for each in sorted(stored.values(), key=lambda each: each.at)]
+        return [each.state for each in sorted(stored.values(), key=lambda each: each.created_at)]
 
     async def close(self) -> None:
         for gateway in self.gateways:

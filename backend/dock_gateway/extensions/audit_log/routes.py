@@ -26,7 +26,9 @@ from dock_gateway.storage import History
 router = APIRouter(route_class=ApiRoute, tags=["Access"], prefix="/audit")
 
 ROWS = 500  # per query of an export
-LAST = 2**63 - 1
+SequenceCursor = Annotated[
+    str | None, Query(pattern=r"^[1-9][0-9]{0,17}$", description="`next_cursor` of the previous page")
+]
 Text = Annotated[str, StringConstraints(min_length=1, max_length=100, pattern=r"^[^\x00]*$")]
 
 
@@ -68,13 +70,13 @@ async def list_audit(
     history: Part[History],
     wanted: AuditFilterQuery,
     limit: LimitQuery = 50,
-    cursor: Annotated[int | None, Query(ge=1, le=LAST, description="`next_cursor` of the previous page")] = None,
+    cursor: SequenceCursor = None,
 ) -> Answer[AuditPage]:
     """List requests and commands, newest first: all that change something, exports, and reads of this list."""
-    rows = await history.audit.page(wanted, limit=limit + 1, before=cursor)
+    rows = await history.audit.page(wanted, limit=limit + 1, before=None if cursor is None else int(cursor))
     more = len(rows) > limit
     records = [row.document() for row in rows[:limit]]
-    return json_response({"records": records, "next_cursor": rows[limit - 1].sequence if more else None})
+    return json_response({"records": records, "next_cursor": str(rows[limit - 1].sequence) if more else None})
 
 
 @router.get(

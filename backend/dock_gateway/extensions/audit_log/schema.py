@@ -38,4 +38,4 @@ class AuditPage(Schema):
     """A page of the audit log, newest first."""
 
     records: list[AuditRecord]
-    next_cursor: int | None
+    next_cursor: str | None

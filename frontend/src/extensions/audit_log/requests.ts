@@ -10,7 +10,7 @@ export type AuditQuery = Omit<NonNullable<paths["/audit"]["get"]["parameters"]["
 const PAGE = 50;
 
 /** Newest first. Every failure is a ClientError. */
-export function listAudit(http: Http, query: AuditQuery, cursor: number | null): Promise<AuditPage> {
+export function listAudit(http: Http, query: AuditQuery, cursor: string | null): Promise<AuditPage> {
   return settle(
     http.GET("/audit", {
       params: { query: { ...query, limit: PAGE, ...(cursor === null ? {} : { cursor }) } },

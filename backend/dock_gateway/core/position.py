@@ -1,0 +1,42 @@
+"""The place of an entry in a list that is newest first. As a text, which clients send back, it is a cursor."""
+
+import re
+from base64 import b64decode, urlsafe_b64encode
+from datetime import UTC, datetime, timedelta
+from typing import NamedTuple
+
+_EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
+_MICROSECOND = timedelta(microseconds=1)
+_FORM = re.compile(r"([0-9]{1,17}) ([\x21-\x7e]{1,100})")
+
+
+class Position(NamedTuple):
+    """A time and an id, by which a list is sorted. It does not need the entry, which may have been deleted.
+
+    Attributes:
+        time: When the entry was made.
+        id: Its id.
+    """
+
+    time: datetime
+    id: str
+
+    def cursor(self) -> str:
+        """Return it as a cursor, which `read_cursor` reads."""
+        text = f"{(self.time - _EPOCH) // _MICROSECOND} {self.id}"
+        return urlsafe_b64encode(text.encode()).decode().rstrip("=")
+
+
+def read_cursor(text: str) -> Position:
+    """Return the position that a cursor is of.
+
+    Raises:
+        ValueError: It is none; the message says what is expected.
+    """
+    try:
+        found = _FORM.fullmatch(b64decode(text + "=" * (-len(text) % 4), altchars=b"-_", validate=True).decode())
+        if found is not None:
+            return Position(_EPOCH + int(found[1]) * _MICROSECOND, found[2])
+    except (ValueError, OverflowError):
+        pass
+    raise ValueError("`next_cursor` of an earlier answer")
