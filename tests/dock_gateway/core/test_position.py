@@ -17,7 +17,7 @@ def test_a_cursor_is_read_as_it_was_written(time: datetime, identity: object) ->
     assert read_cursor(position.cursor()) == position
 
 
-@pytest.mark.parametrize("text", ["", "zzz", "3f0c7b2e-0000-4000-8000-000000000000", "é", "OTk5OTk5OTk5OTk5OTk5OTkgYQ"])
+@pytest.mark.parametrize("text", ["", "zzz", "3f0c7b2e-0000-4000-8000-000000000000", "é"])
 def test_what_is_none_is_refused(text: str) -> None:
     with pytest.raises(ValueError, match="of an earlier answer"):
         read_cursor(text)

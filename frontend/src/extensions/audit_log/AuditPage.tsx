@@ -67,7 +67,7 @@ export default function AuditPage() {
 function useRecords(filter: AuditFilter): PagedList<AuditRecords> {
   const { http, store } = useFleet();
   const zone = useZone();
-  return usePages<AuditRecords, number>({
+  return usePages<AuditRecords, string>({
     queryKey: ["audit", zone, auditFilter.write(filter).toString()],
     queryFn: (cursor) => listAudit(http, toQuery(filter, store.gatewayNow()), cursor),
     enabled: useForbidden("GET /audit") === null,
