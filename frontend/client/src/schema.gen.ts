@@ -1756,10 +1756,10 @@ export interface components {
             /** By */
             by: string;
             /**
-             * At
+             * Acknowledged At
              * Format: date-time
              */
-            at: string;
+            acknowledged_at: string;
         };
         /** @description An event of a goal on an action other than docking. */
         ActionEvent: components["schemas"]["ActionStatusEvent"] | components["schemas"]["ActionFeedbackEvent"] | components["schemas"]["ActionResultEvent"];
@@ -1993,10 +1993,10 @@ export interface components {
              */
             severity: "critical" | "warning";
             /**
-             * Since
+             * Started At
              * Format: date-time
              */
-            since: string;
+            started_at: string;
             /** Title */
             title: string;
             /** Detail */
@@ -2047,8 +2047,8 @@ export interface components {
          *     the goal message. At `expires_at` the goal is refused.
          */
         Approval: {
-            /** Approval Id */
-            approval_id: string;
+            /** Id */
+            id: string;
             /** Agent */
             agent: string;
             /** Client */
@@ -2108,7 +2108,7 @@ export interface components {
             /** Records */
             records: components["schemas"]["AuditRecord"][];
             /** Next Cursor */
-            next_cursor: number | null;
+            next_cursor: string | null;
         };
         /**
          * AuditRecord
@@ -2121,13 +2121,13 @@ export interface components {
         AuditRecord: {
             /** Sequence */
             sequence: number;
-            /** Entry Id */
-            entry_id: string;
+            /** Id */
+            id: string;
             /**
-             * At
+             * Acted At
              * Format: date-time
              */
-            at: string;
+            acted_at: string;
             /** Principal */
             principal: string | null;
             role: components["schemas"]["Role"] | null;
@@ -2594,21 +2594,21 @@ export interface components {
          * Decision
          * @description What a rule decided about a robot, and the facts that it went by.
          *
-         *     `battery` is the charge (0 to 1); `idle_since` is when the robot was idle with a low battery, or stood still before
-         *     a time of day, which is `scheduled_for`. `code` and `detail` say why no goal was sent.
+         *     `battery` is the charge (0 to 1); `idle_since_at` is when the robot was idle with a low battery, or stood still
+         *     before a time of day, which is `scheduled_at`. `code` and `detail` say why no goal was sent.
          * @example {
-         *       "at": "2026-11-21T21:04:12.182Z",
          *       "battery": 0.18,
          *       "code": null,
+         *       "decided_at": "2026-11-21T21:04:12.182Z",
          *       "detail": null,
          *       "goal_id": "6a8c2b0a-5c63-4d0e-9c1e-0d7a9c4d5e6f",
          *       "id": "0b8f9b0e4e5c4c62a2ac3c2f5bd0a1f2",
-         *       "idle_since": "2026-11-21T21:03:12.182Z",
+         *       "idle_since_at": "2026-11-21T21:03:12.182Z",
          *       "outcome": "sent",
          *       "robot": "/robot1",
          *       "rule_id": "low-battery",
          *       "rule_name": "Low battery",
-         *       "scheduled_for": null
+         *       "scheduled_at": null
          *     }
          */
         Decision: {
@@ -2621,17 +2621,17 @@ export interface components {
             /** Robot */
             robot: string;
             /**
-             * At
+             * Decided At
              * Format: date-time
              */
-            at: string;
+            decided_at: string;
             outcome: components["schemas"]["DecisionOutcome"];
             /** Battery */
             battery: number | null;
-            /** Idle Since */
-            idle_since: string | null;
-            /** Scheduled For */
-            scheduled_for: string | null;
+            /** Idle Since At */
+            idle_since_at: string | null;
+            /** Scheduled At */
+            scheduled_at: string | null;
             /** Goal Id */
             goal_id: string | null;
             /** Code */
@@ -2669,10 +2669,10 @@ export interface components {
             webhook_id: string;
             type: components["schemas"]["EventType"];
             /**
-             * At
+             * Created At
              * Format: date-time
              */
-            at: string;
+            created_at: string;
             event: components["schemas"]["WebhookEvent"];
             state: components["schemas"]["DeliveryState"];
             /** Attempts */
@@ -2702,7 +2702,7 @@ export interface components {
         DeliveryState: "pending" | "delivered" | "failed";
         /**
          * Dock
-         * @description A dock of a docking server's database. What the server does not say is null.
+         * @description A dock of a docking server's database. `tag_id` is that of its AprilTag. What the server does not say is null.
          */
         Dock: {
             /** Dock Id */
@@ -2712,8 +2712,8 @@ export interface components {
             /** Frame */
             frame: string | null;
             pose: components["schemas"]["Pose"] | null;
-            /** Id */
-            id: string | null;
+            /** Tag Id */
+            tag_id: string | null;
         };
         /**
          * DockFeedback
@@ -2890,6 +2890,11 @@ export interface components {
         };
         /** @description A message of /ws/topics. */
         EchoEvent: components["schemas"]["TopicEvent"] | components["schemas"]["MessageEvent"] | components["schemas"]["RateEvent"] | components["schemas"]["TopicHeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ClosingEvent"];
+        /**
+         * EmptyAlert
+         * @description What a test is about.
+         */
+        EmptyAlert: Record<string, never>;
         /**
          * EndedStatuses
          * @description The number of goals that ended in each state.
@@ -3475,7 +3480,7 @@ export interface components {
          *
          *     Attributes:
          *         revision: The same for the same map; that of the image is in its `ETag`.
-         *         stamp: When it was made, as its message says; null if it does not.
+         *         stamped_at: When it was made, as its message says; null if it does not.
          *         frame: The frame of the origin.
          *         resolution: The length of a cell's side, in metres.
          *         width: Number of columns.
@@ -3485,8 +3490,8 @@ export interface components {
         Grid: {
             /** Revision */
             revision: string;
-            /** Stamp */
-            stamp: string | null;
+            /** Stamped At */
+            stamped_at: string | null;
             /** Frame */
             frame: string;
             /** Resolution */
@@ -3567,10 +3572,10 @@ export interface components {
             site: string;
             state: components["schemas"]["HubState"];
             /**
-             * Since
+             * Changed At
              * Format: date-time
              */
-            since: string;
+            changed_at: string;
             /** Code */
             code: string | null;
             /** Detail */
@@ -3628,12 +3633,6 @@ export interface components {
             /** Interfaces */
             interfaces: components["schemas"]["Interface"][];
         };
-        /**
-         * Kind
-         * @description The credential of a request.
-         * @enum {string}
-         */
-        Kind: "token" | "user" | "person" | "service" | "hub" | "anybody";
         /**
          * Label
          * @description The label of a robot, which need not be on the ROS graph.
@@ -3784,24 +3783,13 @@ export interface components {
             };
         };
         /**
-         * Mode
-         * @description The mode of a rule whose condition is met: do nothing, record what it would do, or dock the robot.
-         * @enum {string}
-         */
-        Mode: "off" | "dry_run" | "on";
-        /**
-         * NoAlert
-         * @description What a test is about.
-         */
-        NoAlert: Record<string, never>;
-        /**
          * NodeParameters
          * @description The parameters of a node, sorted by name.
          */
         NodeParameters: {
             /** Node */
             node: string;
-            set: components["schemas"]["Use"];
+            set: components["schemas"]["Permission"];
             /** Parameters */
             parameters: components["schemas"]["ParameterInfo"][];
         };
@@ -3810,15 +3798,15 @@ export interface components {
          * @description A note on a goal.
          */
         Note: {
-            /** Note Id */
-            note_id: string;
+            /** Id */
+            id: string;
             /** By */
             by: string;
             /**
-             * At
+             * Created At
              * Format: date-time
              */
-            at: string;
+            created_at: string;
             /** Text */
             text: string;
         };
@@ -3843,10 +3831,10 @@ export interface components {
              */
             severity: "critical" | "warning";
             /**
-             * Since
+             * Started At
              * Format: date-time
              */
-            since: string;
+            started_at: string;
             /** Title */
             title: string;
             /** Detail */
@@ -3934,6 +3922,16 @@ export interface components {
             /** Robot */
             robot: string;
             path: components["schemas"]["Points"];
+        };
+        /**
+         * Permission
+         * @description Whether the gateway's settings let clients use something; if not, `reason` is the sentence that says why.
+         */
+        Permission: {
+            /** Allowed */
+            allowed: boolean;
+            /** Reason */
+            reason: string | null;
         };
         /**
          * Person
@@ -4065,6 +4063,12 @@ export interface components {
             action_name: string;
             scene: components["schemas"]["Scene"];
         };
+        /**
+         * PrincipalKind
+         * @description The credential of a request.
+         * @enum {string}
+         */
+        PrincipalKind: "token" | "user" | "person" | "service" | "hub" | "anybody";
         /**
          * Problem
          * @description RFC 9457 problem document.
@@ -4328,8 +4332,8 @@ export interface components {
          * @description What its battery said: V, and the charge (0 to 1).
          */
         ReplayBattery: {
-            /** At */
-            at: number;
+            /** Offset S */
+            offset_s: number;
             /** Voltage */
             voltage: number | null;
             /** Percentage */
@@ -4340,8 +4344,8 @@ export interface components {
          * @description What the laser saw: points (x, y) in metres, as seen from the robot. `at`: seconds since the goal began.
          */
         ReplayScan: {
-            /** At */
-            at: number;
+            /** Offset S */
+            offset_s: number;
             /** Points */
             points: number[][];
         };
@@ -4350,8 +4354,8 @@ export interface components {
          * @description The commanded velocity: m/s and rad/s.
          */
         ReplayVelocity: {
-            /** At */
-            at: number;
+            /** Offset S */
+            offset_s: number;
             /** Linear */
             linear: number | null;
             /** Angular */
@@ -4377,7 +4381,7 @@ export interface components {
             topics: string[];
             /** Name */
             name: string | null;
-            kind: components["schemas"]["Kind"];
+            kind: components["schemas"]["PrincipalKind"];
         };
         /**
          * ResultEvent
@@ -4591,7 +4595,7 @@ export interface components {
             /** Name */
             name: string;
             /** @default off */
-            mode: components["schemas"]["Mode"];
+            mode: components["schemas"]["RuleMode"];
             robots: components["schemas"]["RobotSelection"];
             battery: components["schemas"]["BatteryCondition"] | null;
             schedule: components["schemas"]["Schedule"] | null;
@@ -4616,13 +4620,19 @@ export interface components {
             rules: components["schemas"]["Rule"][];
         };
         /**
+         * RuleMode
+         * @description The mode of a rule whose condition is met: do nothing, record what it would do, or dock the robot.
+         * @enum {string}
+         */
+        RuleMode: "off" | "dry_run" | "on";
+        /**
          * RuleRobot
          * @description A robot that a rule applies to now, and why it is not docked now.
          */
         RuleRobot: {
             /** Robot */
             robot: string;
-            waits_for: components["schemas"]["Wait"];
+            waits_for: components["schemas"]["WaitReason"];
         };
         /**
          * RunningGateway
@@ -4815,7 +4825,7 @@ export interface components {
             reads: boolean;
             /** Hint */
             hint: string | null;
-            call: components["schemas"]["Use"];
+            call: components["schemas"]["Permission"];
             /** Request */
             request: {
                 [key: string]: unknown;
@@ -5304,8 +5314,8 @@ export interface components {
         StopState: {
             /** Latched */
             latched: boolean;
-            /** Since */
-            since: string | null;
+            /** Stopped At */
+            stopped_at: string | null;
             /** By */
             by: string | null;
             /** Robots */
@@ -5541,7 +5551,7 @@ export interface components {
             reports: boolean;
             /** Hint */
             hint: string | null;
-            publish: components["schemas"]["Use"];
+            publish: components["schemas"]["Permission"];
             /** Message */
             message: {
                 [key: string]: unknown;
@@ -5589,16 +5599,6 @@ export interface components {
             op: "unsubscribe";
             /** Subscription */
             subscription: string;
-        };
-        /**
-         * Use
-         * @description Whether the gateway's settings let clients use something; if not, `reason` is the sentence that says why.
-         */
-        Use: {
-            /** Allowed */
-            allowed: boolean;
-            /** Reason */
-            reason: string | null;
         };
         /**
          * User
@@ -5654,11 +5654,11 @@ export interface components {
             z: number | null;
         };
         /**
-         * Wait
+         * WaitReason
          * @description Why a rule does not dock a robot now.
          * @enum {string}
          */
-        Wait: "off" | "battery_ok" | "battery_unknown" | "not_due" | "docked" | "server_unavailable" | "shared_action" | "goal_running" | "goal_lost" | "quiet_period" | "not_idle" | "retry_later" | "reported" | "stop_latched" | "gave_up" | "deciding" | "history_unavailable";
+        WaitReason: "off" | "battery_ok" | "battery_unknown" | "not_due" | "docked" | "server_unavailable" | "shared_action" | "goal_running" | "goal_lost" | "quiet_period" | "not_idle" | "retry_later" | "reported" | "stop_latched" | "gave_up" | "deciding" | "history_unavailable";
         /**
          * Webhook
          * @description An address that receives alerts. `pending` counts the deliveries that are still to be sent.
@@ -5726,7 +5726,7 @@ export interface components {
             /** Text */
             text: string;
             /** Data */
-            data: components["schemas"]["NotifiedAlert"] | components["schemas"]["NoAlert"];
+            data: components["schemas"]["NotifiedAlert"] | components["schemas"]["EmptyAlert"];
         };
         /**
          * WebhookList
@@ -6725,7 +6725,7 @@ export interface operations {
             query?: {
                 limit?: number;
                 /** @description `next_cursor` of the previous page */
-                cursor?: number | null;
+                cursor?: string | null;
                 /** @description Only with the token of this name */
                 principal?: string | null;
                 /** @description Only this operation, such as `release_stop` */
