@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from dock_gateway.core.errors import Unavailable
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.extension import extensions
 from dock_gateway.goals.goal_documents import GoalDocuments
 from dock_gateway.goals.goals import Goals
@@ -33,6 +34,7 @@ class Client(RouteClient):
         documents.fields |= dict.fromkeys(extensions().goal_fields)
         super().__init__(
             {
+                Fanout: Fanout(queue_limit=10),
                 History: self.history,
                 Goals: Goals(live, actions, self.history),
                 GoalDocuments: documents,
