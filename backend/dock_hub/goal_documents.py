@@ -93,8 +93,7 @@ def ends_of(goal: Goal) -> list[Happening]:
     if not goal.status.final:
         return []
     at = goal.finished_at or goal.updated_at
-    ends = [Happening("status", goal, at)]
-    return ends if goal.status is GoalStatus.REJECTED else [*ends, Happening("result", goal, at)]
+    return [Happening("status", goal, at), Happening("result", goal, at)]
 
 
 def read_goal_id(value: Any) -> str:

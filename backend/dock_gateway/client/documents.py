@@ -97,7 +97,7 @@ class Event:
         """Whether it is the last event of a stream of one goal."""
         if self.type == "snapshot":
             return all(goal["finished_at"] for goal in self.document["goals"])
-        return self.type == "result" or (self.type == "status" and self.document["status"] in ("rejected", "lost"))
+        return self.type == "result" or (self.type == "status" and self.document["status"] == "lost")
 
 
 @dataclass(frozen=True)

@@ -185,7 +185,7 @@ def status_event(goal: Goal, stamp_ns: int, source_ns: int | None = None) -> Eve
         stamp_ns: The stamp in the event's id, in nanoseconds.
         source_ns: When it happened, by the clock of the message that reported it, in nanoseconds; default `stamp_ns`.
     """
-    ends_goal = goal.status in (GoalStatus.REJECTED, GoalStatus.LOST)
+    ends_goal = goal.status is GoalStatus.LOST  # it may come back, but nothing says when
     once = goal.status.final
     return _goal_event("status", goal, stamp_ns, source_ns, goal.summary, once=once, ends_goal=ends_goal)
 

@@ -57,9 +57,7 @@ class GoalPublisher:
         # A history that is shared says when they are to be published: see `History.follow`.
         place = None if self._history.shared else self._fanout.line.hold(source_ns)
         stamp = self._fanout.clock.stamp(source_ns) if place is None else place.stamp
-        end = [status_event(goal, stamp, source_ns)]
-        if goal.status is not GoalStatus.REJECTED:
-            end.append(result_event(goal, stamp, source_ns))
+        end = [status_event(goal, stamp, source_ns), result_event(goal, stamp, source_ns)]
         self._seals.spawn(self._seal(goal, end, self._history.seal(goal, end), place, published))
 
     async def _seal(

@@ -25,7 +25,7 @@ STEP = 1_000_000
 # Events as they are stored, by key; None for one that is not stored, as another gateway has made it outdated.
 Stored = dict[str, Event | None]
 
-_ENDS_WITHOUT_RESULT = (GoalStatus.REJECTED, GoalStatus.LOST)
+_LOST = b'"status":"%s"' % GoalStatus.LOST.value.encode()
 
 # Built once: a gateway that publishes takes ten turns a second.
 _KIND = sa.func.substr(events.c.id, KIND_AT + 1, 1)
@@ -133,8 +133,8 @@ def _after(connection: sa.Connection, after: str) -> list[Event]:
 
 
 def _with_end(event: Event) -> Event:
-    """Return an event with `ends_goal`, which is not stored: a goal that is rejected or lost has no result."""
+    """Return an event with `ends_goal`, which is not stored: those of a goal end with its result, or as it is lost."""
     ends = kind_of(event.id or "") == RESULT
-    if not ends and any(b'"status":"%s"' % status.value.encode() in event.data for status in _ENDS_WITHOUT_RESULT):
-        ends = orjson.loads(event.data)["status"] in _ENDS_WITHOUT_RESULT
+    if not ends and _LOST in event.data:
+        ends = orjson.loads(event.data)["status"] == GoalStatus.LOST
     return replace(event, ends_goal=ends)

@@ -107,5 +107,5 @@ export class GoalHandle {
 /** Whether it is the last event of a stream of one goal. */
 function endsGoal(event: GatewayEvent): boolean {
   if (event.type === "snapshot") return event.goals.every(hasEnded);
-  return event.type === "result" || (event.type === "status" && ["rejected", "lost"].includes(event.status));
+  return event.type === "result" || (event.type === "status" && event.status === "lost");
 }

@@ -39,6 +39,7 @@ class Client(RouteClient):
                 Goals: Goals(live, actions, self.history),
                 GoalDocuments: documents,
                 RobotActions: actions,
+                Fanout: Fanout(queue_limit=1),
             }
         )
 

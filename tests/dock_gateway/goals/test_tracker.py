@@ -169,10 +169,10 @@ async def test_the_end_is_stored_under_the_stamp_of_the_message_that_reported_it
     assert kept.last_event_id == documents[-1]["id"] == goal.last_event_id
 
 
-async def test_a_rejected_goal_has_no_result(scene: Scene) -> None:
+async def test_a_rejected_goal_ends_with_a_result_like_any_other(scene: Scene) -> None:
     goal = scene.send()
     scene.tracker.apply(GoalMachine.end, goal, S.REJECTED, error=GoalError("goal_rejected", "no"))
-    assert await scene.events() == ["status:pending", "status:rejected"]
+    assert await scene.events() == ["status:pending", "status:rejected", "result:rejected"]
 
 
 async def test_the_end_that_another_gateway_stored_first_counts(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -19,10 +19,7 @@ S = GoalStatus
 
 def ended(number: int, status: GoalStatus = GoalStatus.SUCCEEDED, stamp: int = 1) -> Batch:
     goal = make_goal(number, status)
-    end = [status_event(goal, stamp)]
-    if status is not GoalStatus.REJECTED:
-        end.append(result_event(goal, stamp))
-    return Batch(goals=[goal], events=end)
+    return Batch(goals=[goal], events=[status_event(goal, stamp), result_event(goal, stamp)])
 
 
 async def turn(history: History, after: str | None, wanted: int = 0, batch: Batch | None = None) -> Turn:
@@ -47,8 +44,8 @@ async def test_an_end_is_stored_behind_all_that_anyone_was_allowed(database_url:
         assert again.events == stored.events
         assert [event.id for event in again.stored.values() if event] == [event.id for event in stored.events]
         assert (await turn(history, stored.allowed)).events == []
-        (rejected,) = (await turn(history, again.allowed, batch=ended(2, GoalStatus.REJECTED))).events
-        assert rejected.ends_goal
+        rejected = (await turn(history, again.allowed, batch=ended(2, GoalStatus.REJECTED))).events
+        assert [event.ends_goal for event in rejected] == [False, True]
 
 
 def state(number: int, status: GoalStatus, stamp: int) -> Batch:
