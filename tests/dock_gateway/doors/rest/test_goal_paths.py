@@ -9,6 +9,7 @@ import pytest
 from starlette.testclient import TestClient
 
 from dock_gateway.app import create_app
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.goals.goal_documents import GoalDocuments
 from dock_gateway.goals.goals import Goals
@@ -46,6 +47,7 @@ class OneGoal(Parts):
                 Settings: SETTINGS,
                 Quotas: Quotas(SETTINGS),
                 Goals: SimpleNamespace(get=self._get, page=self._page),
+                Fanout: Fanout(queue_limit=1),
                 GoalDocuments: GoalDocuments(HistoryInMemory()),
                 ActionRegistry: SimpleNamespace(find=self._find),
                 type(actions): actions,
