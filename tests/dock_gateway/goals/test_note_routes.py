@@ -39,7 +39,6 @@ class Client(RouteClient):
                 Goals: Goals(live, actions, self.history),
                 GoalDocuments: documents,
                 RobotActions: actions,
-                Fanout: Fanout(queue_limit=1),
             }
         )
 
