@@ -148,4 +148,7 @@ def test_each_operation_about_a_robot_says_what_it_is_about_without_one(document
     assert said.keys() == {"configured", "all", "below"}
     rows = re.findall(r"^\| `(configured|all|below)` \|[^|]*\|([^|]*)\|$", API_PAGE.read_text(), re.MULTILINE)
     told = {meaning: set(re.findall(r"`([A-Z]+ /[^`]*)`", operations)) for meaning, operations in rows}
+    # The page names those of extensions, too, which may have been taken out.
+    there = {f"{method.upper()} {path}" for path, item in document["paths"].items() for method in item}
+    told = {meaning: operations & there for meaning, operations in told.items()}
     assert told == said | {"configured": set()}
