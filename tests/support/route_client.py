@@ -5,6 +5,7 @@ from typing import Any, Self
 from starlette.testclient import TestClient
 
 from dock_gateway.app import create_app
+from dock_gateway.core.fanout import Fanout
 from dock_gateway.http.parts import Parts
 from dock_gateway.settings import Settings
 from tests.support.audit import audit_parts
@@ -23,7 +24,7 @@ class RouteClient:
 
     def __init__(self, parts: dict[type, Any] | None = None) -> None:
         settings = Settings(database_url="memory:")
-        self.parts = Parts({**audit_parts(), Settings: settings, **(parts or {})})
+        self.parts = Parts({**audit_parts(), Settings: settings, Fanout: Fanout(queue_limit=10), **(parts or {})})
         self.app = create_app(settings, self.parts)
         self.http = TestClient(self.app, base_url="http://127.0.0.1:8000")
 

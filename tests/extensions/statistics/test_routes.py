@@ -12,8 +12,10 @@ from zoneinfo import ZoneInfo
 import pytest
 
 from dock_gateway.core.goal import GoalError, GoalStatus
+from dock_gateway.extension import extensions
 from dock_gateway.extensions.statistics.routes import MAX_DAYS, MAX_ERRORS, describe, divide, read_zone
 from dock_gateway.extensions.statistics.tally import Tally
+from dock_gateway.goals.goal_documents import GoalDocuments
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.robots.labels import Labels, RobotLabel
@@ -38,7 +40,10 @@ class Client(RouteClient):
         self.labels = Labels(self.history.documents("label", RobotLabel), robots.namespaces)
         robot_actions = RobotActions(Settings(), robots, self.labels, self.history)
         goals = Goals(actions, robot_actions, self.history)
-        super().__init__({History: self.history, Goals: goals, RobotActions: robot_actions})
+        documents = GoalDocuments(self.history)
+        documents.fields |= dict.fromkeys(extensions().goal_fields)
+        parts = {History: self.history, Goals: goals, GoalDocuments: documents, RobotActions: robot_actions}
+        super().__init__(parts)
 
     def record(self, at: str, status: GoalStatus = S.SUCCEEDED, took: float = 10.0, **more: Any) -> None:
         number = len(asyncio.run(self.history.page(GoalFilter(), limit=1000)))
