@@ -83,7 +83,7 @@ def running_site(folder: Path) -> Iterator[Site]:
         database = f"sqlite:///{folder}/history.db"
         gateway = stack.enter_context(running_gateway(domain, database_url=database, **IMPATIENT))
         for name in (ROBOT, OTHER):
-            wait_until(lambda name=name: gateway.http.get("/dock", params={"robot": name}).status_code == 200, name)
+            wait_until(lambda name=name: gateway.http.get("/docks", params={"robot": name}).status_code == 200, name)
         wait_until(lambda: gateway.http.get("/simulator", params=AT).status_code == 200, "the simulator")
         gateway.set_fault("dead_charger", robot=ROBOT)
         yield Site(gateway, simulator, server, domain, database)

@@ -29,7 +29,7 @@ def gateway(domain: int) -> Iterator[RunningGateway]:
         gateway = stack.enter_context(running_gateway(domain))
         wait_until(lambda: len(gateway.http.get("/robots").json()["robots"]) >= COUNT, "all robots", 60)
         for robot in DOCKING:
-            wait_until(lambda at={"robot": robot}: gateway.http.get("/dock", params=at).status_code == 200, robot)
+            wait_until(lambda at={"robot": robot}: gateway.http.get("/docks", params=at).status_code == 200, robot)
         for robot in GROUP:
             label: dict[str, object] = {"display_name": None, "groups": ["Hall 1"]}
             gateway.http.put(f"/label?robot={robot}", json=label).raise_for_status()

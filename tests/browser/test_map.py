@@ -29,7 +29,7 @@ def gateway(domain: int) -> Iterator[RunningGateway]:
         for robot in STARTS:
             at = {"robot": robot}
             wait_until(lambda at=at: gateway.http.get("/simulator", params=at).status_code == 200, robot)
-        wait_until(lambda: gateway.http.get("/dock", params={"robot": "/robot3"}).status_code == 200, "/robot3")
+        wait_until(lambda: gateway.http.get("/docks", params={"robot": "/robot3"}).status_code == 200, "/robot3")
         label: dict[str, object] = {"display_name": "Left forklift", "groups": []}
         gateway.http.put("/label?robot=/robot2", json=label).raise_for_status()
         yield gateway

@@ -31,7 +31,7 @@ def gateway(domain: int) -> Iterator[RunningGateway]:
         gateway = stack.enter_context(running_gateway(domain))
         for robot, state in zip(ROBOTS, (LOW, CHARGING), strict=True):
             at = {"robot": robot}
-            wait_until(lambda at=at: gateway.http.get("/dock", params=at).status_code == 200, robot)
+            wait_until(lambda at=at: gateway.http.get("/docks", params=at).status_code == 200, robot)
             publish(gateway, robot, state)
         yield gateway
 

@@ -42,6 +42,6 @@ def test_a_robot_behind_the_second_discovery_server_docks(domain: int, monkeypat
             monkeypatch.setenv("ROS_DISCOVERY_SERVER", f"{first};{second}")
             monkeypatch.setenv("ROS_SUPER_CLIENT", "true")
             with running_gateway(domain) as gateway:
-                wait_until(lambda: gateway.http.get("/dock?robot=/tb4").status_code == 200, "the robot")
+                wait_until(lambda: gateway.http.get("/docks?robot=/tb4").status_code == 200, "the robot")
                 goal = gateway.http.post("/dock?robot=/tb4", headers={"Prefer": "wait=60"}).json()
                 assert (goal["status"], goal["action_name"]) == ("succeeded", "/tb4/dock")

@@ -42,7 +42,7 @@ def test_a_robot_leaves_and_comes_back(domain: int) -> None:
         with running_dock_server(domain, *NAMESPACE):
             for gateway in (one, other):
                 wait_until(lambda gateway=gateway: NAME in names(gateway), "the robot")
-            wait_until(lambda: one.http.get("/dock", params=AT).is_success, "its docking action")
+            wait_until(lambda: one.http.get("/docks", params=AT).is_success, "its docking action")
             one.http.put("/battery/publisher", params=AT, json={"state": CHARGING, "rate_hz": 5}).raise_for_status()
             docked = one.http.post("/dock", params=AT, headers={"Prefer": "wait=50"}).raise_for_status().json()
             assert docked["status"] == "succeeded"

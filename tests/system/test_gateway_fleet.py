@@ -33,7 +33,7 @@ def gateway(domain: int) -> Iterator[RunningGateway]:
         for robot in ROBOTS:
             at = {"robot": robot}
             wait_until(lambda at=at: gateway.http.get("/simulator", params=at).status_code == 200, robot)
-            wait_until(lambda at=at: gateway.http.get("/dock", params=at).status_code == 200, robot)
+            wait_until(lambda at=at: gateway.http.get("/docks", params=at).status_code == 200, robot)
         yield gateway
 
 
