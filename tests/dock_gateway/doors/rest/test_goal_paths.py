@@ -51,7 +51,6 @@ class OneGoal(Parts):
                 GoalDocuments: GoalDocuments(HistoryInMemory()),
                 ActionRegistry: SimpleNamespace(find=self._find),
                 type(actions): actions,
-                Fanout: Fanout(queue_limit=10),
             }
         )
 
