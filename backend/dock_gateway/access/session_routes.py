@@ -20,12 +20,12 @@ from dock_gateway.http.operation import Audit, Scope, operation, public_operatio
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import (
     NOT_FORWARDED,
+    ThePrincipal,
     address_of,
     browser_of,
     forget_login,
     keep_browser,
     keep_login,
-    principal_of,
     secret_of,
 )
 from dock_gateway.http.quotas import Quotas
@@ -156,12 +156,12 @@ async def log_out(
 
 @router.post("/ticket", name="issue_ticket", status_code=201, dependencies=[NOT_FORWARDED])
 @operation(Role.VIEWER, Scope.ANY)
-async def issue_ticket(request: Request, tickets: Part[Tickets]) -> Answer[Ticket]:
+async def issue_ticket(principal: ThePrincipal, tickets: Part[Tickets]) -> Answer[Ticket]:
     """Return a ticket that opens one WebSocket of this gateway within 30 s, as `?ticket=`.
 
     For pages of other origins: a browser sends their WebSockets neither an `Authorization` header nor the cookie.
     """
-    ticket = tickets.issue(principal_of(request))
+    ticket = tickets.issue(principal)
     return json_response({"ticket": ticket, "expires_in_s": LIFETIME}, 201, {"Cache-Control": "no-store"})
 
 

@@ -15,7 +15,7 @@ from dock_gateway.core.grant import Role
 from dock_gateway.http.bodies import Body
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Part
-from dock_gateway.http.principal import principal_of
+from dock_gateway.http.principal import ThePrincipal
 from dock_gateway.http.requests import Answer, json_response
 from dock_gateway.http.resource import ChangeCondition, Item, item_response, removed
 from dock_gateway.http.route import ApiRoute
@@ -34,12 +34,13 @@ async def list_tokens(logins: Part[Logins]) -> Answer[TokenList]:
 
 @router.post("", name="create_token", status_code=201)
 @operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST, errors=(409,))
-async def create_token(body: Body[TokenBody], request: Request, logins: Part[Logins]) -> Item[CreatedToken]:
+async def create_token(
+    body: Body[TokenBody], request: Request, logins: Part[Logins], principal: ThePrincipal
+) -> Item[CreatedToken]:
     """Create a token. Only this answer has its secret."""
     audited(request, subject=body.name)
     expires_at = None if body.days is None else utc_now() + timedelta(days=body.days)
-    creator = principal_of(request).name
-    token, secret = await logins.create_token(body.name, body.grant(), expires_at, creator)
+    token, secret = await logins.create_token(body.name, body.grant(), expires_at, principal.name)
     document = {**token, "secret": secret}
     return item_response(document, f"{router.prefix}/{token['id']}", {"Cache-Control": "no-store"})
 

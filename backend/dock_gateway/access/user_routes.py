@@ -14,7 +14,7 @@ from dock_gateway.core.grant import Role
 from dock_gateway.http.bodies import Body
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Part
-from dock_gateway.http.principal import address_of, browser_of, keep_browser, keep_login, principal_of
+from dock_gateway.http.principal import ThePrincipal, address_of, browser_of, keep_browser, keep_login
 from dock_gateway.http.requests import Answer, json_response
 from dock_gateway.http.resource import ChangeCondition, Item, WriteCondition, item_response, removed
 from dock_gateway.http.route import ApiRoute
@@ -46,7 +46,7 @@ async def get_user(name: UserName, logins: Part[Logins]) -> Item[User]:
 @router.put("/users/{user}", name="put_user")
 @operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST, errors=(409, 429))
 async def put_user(
-    name: UserName, body: Body[UserBody], request: Request, logins: Part[Logins], condition: WriteCondition
+    name: UserName, body: Body[UserBody], principal: ThePrincipal, logins: Part[Logins], condition: WriteCondition
 ) -> Item[User]:
     """Add a user, or change one. A changed role holds at once; streams that were opened with the earlier one end."""
     grant, password, disabled = body.grant(), body.password, body.disabled
@@ -57,8 +57,7 @@ async def put_user(
         if password is None:
             error = FieldError("password", "the password of the new user", "got none")
             raise InvalidField([error]) from None
-    creator = principal_of(request).name
-    user = await logins.add_user(name, grant, password, creator, disabled=disabled, condition=condition)
+    user = await logins.add_user(name, grant, password, principal.name, disabled=disabled, condition=condition)
     return item_response(user, f"/users/{name}")
 
 
@@ -79,9 +78,11 @@ async def end_sessions(name: UserName, logins: Part[Logins]) -> Response:
 
 @router.put("/session/password", name="change_password", status_code=204)
 @operation(Role.VIEWER, Scope.ANY, Audit.STORED_FIRST, errors=(409, 429))
-async def change_password(body: Body[PasswordBody], request: Request, logins: Part[Logins]) -> Response:
+async def change_password(
+    body: Body[PasswordBody], request: Request, logins: Part[Logins], principal: ThePrincipal
+) -> Response:
     """Change the own password. All sessions end; the browser that asks gets the cookie of a new one."""
-    name = require_user(principal_of(request))
+    name = require_user(principal)
     secret = await logins.change_password(name, body.old, body.new, address_of(request))
     response = Response(status_code=204)
     keep_login(response, request, secret)

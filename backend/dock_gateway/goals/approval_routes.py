@@ -11,7 +11,7 @@ from dock_gateway.goals.approvals import Approvals
 from dock_gateway.http.bodies import Body
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
-from dock_gateway.http.principal import TheGrant, principal_of
+from dock_gateway.http.principal import TheGrant, ThePrincipal
 from dock_gateway.http.requests import Answer, json_response
 from dock_gateway.http.route import ApiRoute
 
@@ -37,7 +37,11 @@ async def get_approval(approval_id: ApprovalId, approvals: Part[Approvals], gran
 @router.put("/{approval_id}/decision")
 @operation(Role.OPERATOR, Scope.APPROVAL)
 async def decide_approval(
-    approval_id: ApprovalId, body: Body[ApprovalBody], request: Request, approvals: Part[Approvals]
+    approval_id: ApprovalId,
+    body: Body[ApprovalBody],
+    request: Request,
+    approvals: Part[Approvals],
+    principal: ThePrincipal,
 ) -> Answer[Approval]:
     """Allow or refuse a goal that waits: this goal, once. It is sent at once if it is allowed.
 
@@ -45,7 +49,7 @@ async def decide_approval(
     `404 approval_not_found`.
     """
     allow = body.allow
-    approval = approvals.decide(approval_id, allow=allow, by=principal_of(request).name)
+    approval = approvals.decide(approval_id, allow=allow, by=principal.name)
     subject = f"{'allowed' if allow else 'refused'} {approval.agent}"
     audited(request, robot=approval.robot, action_name=approval.action_name, subject=subject)
     return json_response(approval.document())

@@ -20,7 +20,7 @@ from dock_gateway.goals.goals import Goals
 from dock_gateway.http.edge.websocket import frame_writer
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import AllParts, Parts
-from dock_gateway.http.principal import TICKET, principal_of
+from dock_gateway.http.principal import TICKET, ThePrincipal, principal_of
 from dock_gateway.http.requests import GoalId, known_query
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.http.slow_clients import PacedResponse, send_in_time
@@ -105,11 +105,13 @@ class EventStream(PacedResponse):
 
 @at_goal(router, "GET", "/events", responses=SSE, response_class=StreamingResponse)
 @operation(Role.VIEWER, Scope.GOAL, errors=(429,))
-async def goal_events(goal_id: GoalId, request: Request, parts: AllParts, query: StreamQuery) -> Response:
+async def goal_events(
+    goal_id: GoalId, request: Request, parts: AllParts, principal: ThePrincipal, query: StreamQuery
+) -> Response:
     """Stream the events of a goal as Server-Sent Events until it ends. `Last-Event-ID` resumes."""
     last = request.headers.get("last-event-id")
     after = read_after(query if last is None else {"after": last})
-    principal, max_rate = principal_of(request), read_max_rate(query)
+    max_rate = read_max_rate(query)
     await parts[Goals].get(goal_id, principal.grant)
     chunks = _sse_chunks(parts, principal, {**query, "goal_id": goal_id}, after, max_rate)
     first = await anext(chunks)  # errors are raised before the stream begins

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from starlette.requests import Request
 
 from dock_gateway.core.access import Principal, PrincipalKind
 from dock_gateway.core.errors import TooManyRequests
@@ -25,7 +24,7 @@ async def test_it_counts_until_it_is_sent_or_the_client_leaves(leaves: bool) -> 
     quotas = Quotas(Settings(max_exports_per_user=1))
 
     def response() -> PartResponse:
-        return PartResponse(Request(SCOPE), 10.0, quotas, memoryview(DATA), "part.mcap")
+        return PartResponse(ADA, 10.0, quotas, memoryview(DATA), "part.mcap")
 
     sent: list[bytes] = []
 
@@ -53,7 +52,7 @@ async def test_a_file_that_is_cut_off_while_it_is_sent_ends_the_answer(tmp_path:
     file.write_bytes(DATA)
     scope = {**SCOPE, "method": method}
     stat = os.stat(file)  # noqa: PTH116
-    response = RecordingResponse(Request(scope), 10.0, Quotas(Settings()), file, stat_result=stat)
+    response = RecordingResponse(ADA, 10.0, Quotas(Settings()), file, stat_result=stat)
     sent: list[Any] = []
 
     async def send(message: Any) -> None:

@@ -19,7 +19,7 @@ from dock_gateway.extensions.cameras.schema import CameraList
 from dock_gateway.http.edge.http import limit_unsent
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import AllParts, Part, Parts
-from dock_gateway.http.principal import TheGrant, principal_of
+from dock_gateway.http.principal import TheGrant, ThePrincipal
 from dock_gateway.http.requests import Answer, GraphName, RobotQuery, json_response
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.http.slow_clients import PacedResponse
@@ -54,10 +54,13 @@ async def list_cameras(cameras: Part[Cameras], grant: TheGrant, robot: RobotQuer
 )
 @operation(Role.VIEWER, Scope.ROBOT, errors=(404, 429, 502))
 async def get_picture(
-    name: GraphName, request: Request, parts: AllParts, robot: RobotQuery = None, max_width: WidthQuery = None
+    name: GraphName,
+    parts: AllParts,
+    principal: ThePrincipal,
+    robot: RobotQuery = None,
+    max_width: WidthQuery = None,
 ) -> Response:
     """Return one current picture of a camera. `X-Timestamp` says when it came, in seconds since 1970."""
-    principal = principal_of(request)
     camera = await parts[Cameras].find(robot, name, principal.grant)
     with subscribed(parts, principal, EventFilter(topics=frozenset())) as viewer:
         async with aclosing(parts[Cameras].pictures(camera, viewer, max_width, None)) as pictures:
@@ -72,16 +75,17 @@ async def get_picture(
     response_class=StreamingResponse,
 )
 @operation(Role.VIEWER, Scope.ROBOT, errors=(404, 429, 502))
-async def stream_pictures(  # noqa: PLR0917 - FastAPI passes them by name
+async def stream_pictures(
     name: GraphName,
     request: Request,
     parts: AllParts,
+    principal: ThePrincipal,
+    *,
     robot: RobotQuery = None,
     max_rate: RateQuery = None,
     max_width: WidthQuery = None,
 ) -> Response:
     """Stream the pictures of a camera as MJPEG, which browsers show as an image. A slow reader skips pictures."""
-    principal = principal_of(request)
     camera = await parts[Cameras].find(robot, name, principal.grant)
     limit_unsent(request, UNSENT)
     chunks = _chunks(parts, principal, camera, max_width, max_rate)

@@ -11,6 +11,7 @@ from starlette.responses import FileResponse, Response
 from starlette.types import Message, Receive, Send
 from starlette.types import Scope as ConnectionScope
 
+from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import FieldError, InvalidField, NotFound
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Role
@@ -20,7 +21,7 @@ from dock_gateway.goals.goals import Goals
 from dock_gateway.http.openapi import UNSTABLE
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Part
-from dock_gateway.http.principal import TheGrant, principal_of
+from dock_gateway.http.principal import TheGrant, ThePrincipal
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.http.requests import Answer, GoalId, RobotQuery, is_known_tag, json_response
 from dock_gateway.http.route import ApiRoute
@@ -52,9 +53,9 @@ PICTURE: dict[int | str, dict[str, Any]] = {
 class RecordingResponse(FileResponse):
     """A file, whole or in ranges, that cuts off a client that does not read. It counts as one of the user's exports."""
 
-    def __init__(self, request: Request, timeout: float, quotas: Quotas, *args: Any, **options: Any) -> None:
+    def __init__(self, principal: Principal, timeout: float, quotas: Quotas, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
-        self._held = quotas.hold(principal_of(request), "exports")
+        self._held = quotas.hold(principal, "exports")
         self._timeout = timeout
 
     async def __call__(self, scope: ConnectionScope, receive: Receive, send: Send) -> None:
@@ -85,10 +86,10 @@ class RecordingResponse(FileResponse):
 class PartResponse(PacedResponse):
     """A file that was made for one user, sent in pieces. It counts as one of their exports until it has been sent."""
 
-    def __init__(self, request: Request, timeout: float, quotas: Quotas, data: memoryview, name: str) -> None:
+    def __init__(self, principal: Principal, timeout: float, quotas: Quotas, data: memoryview, name: str) -> None:
         headers = {"Content-Disposition": f'attachment; filename="{name}"', "Content-Length": str(len(data))}
         super().__init__(b"", _pieces(data), timeout, media_type=MCAP, headers=headers)
-        self._held = quotas.hold(principal_of(request), "exports")
+        self._held = quotas.hold(principal, "exports")
 
     async def __call__(self, scope: ConnectionScope, receive: Receive, send: Send) -> None:
         """Send the file.
@@ -115,7 +116,7 @@ async def download_recording(
     recordings: Part[Recordings],
     settings: Part[Settings],
     quotas: Part[Quotas],
-    grant: TheGrant,
+    principal: ThePrincipal,
 ) -> Response:
     """Download what was heard of the robot from 5 s before a goal to 2 s after its end, as MCAP.
 
@@ -124,10 +125,11 @@ async def download_recording(
     """
     found = await recordings.find(await goals.get(goal_id))
     name = f"goal-{goal_id}.mcap"
+    grant = principal.grant
     if grant.limited or grant.topics:
-        with quotas.hold(principal_of(request), "exports"):
+        with quotas.hold(principal, "exports"):
             data = await recordings.narrowed(found, grant)
-        return PartResponse(request, settings.subscriber_timeout, quotas, data, name)
+        return PartResponse(principal, settings.subscriber_timeout, quotas, data, name)
     tag = f'"{found.goal_id}-{found.size}-{int(found.at * 1e6)}"'
     headers = {"Cache-Control": "no-cache", "ETag": tag}
     if is_known_tag(request.headers.get("if-none-match"), tag):
@@ -137,7 +139,7 @@ async def download_recording(
     except FileNotFoundError:
         raise NotFound("It has just been deleted.", code="recording_not_found") from None
     return RecordingResponse(
-        request,
+        principal,
         settings.subscriber_timeout,
         quotas,
         found.path,
@@ -156,12 +158,12 @@ async def get_replay(
     recordings: Part[Recordings],
     *,
     settings: Part[Settings],
-    grant: TheGrant,
+    principal: ThePrincipal,
 ) -> Answer[GoalReplay]:
     """Return what the replay of a goal shows of its recording: laser scans, commanded velocities, the battery."""
     goal = await goals.get(goal_id)
     velocity = settings.cmd_vel_topic.rpartition("/")[2]
-    return json_response(await recordings.replay(await recordings.find(goal), goal, velocity, grant))
+    return json_response(await recordings.replay(await recordings.find(goal), goal, velocity, principal.grant))
 
 
 @router.get(
@@ -184,13 +186,13 @@ async def download_recent(
     *,
     settings: Part[Settings],
     quotas: Part[Quotas],
-    grant: TheGrant,
+    principal: ThePrincipal,
     robot: RobotQuery = None,
 ) -> Response:
     """Download what has been heard of a robot in the last seconds, as MCAP: someone has just seen something odd."""
     namespace = robots.get(robot).namespace
-    with quotas.hold(principal_of(request), "exports"):
-        data = await recordings.of_robot(namespace, grant)
+    with quotas.hold(principal, "exports"):
+        data = await recordings.of_robot(namespace, principal.grant)
     name = namespace.strip("/").replace("/", "-") or "robot"
     file = f"{name}-{utc_now():%Y%m%dT%H%M%SZ}.mcap"
-    return PartResponse(request, settings.subscriber_timeout, quotas, data, file)
+    return PartResponse(principal, settings.subscriber_timeout, quotas, data, file)
