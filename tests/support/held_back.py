@@ -14,6 +14,7 @@ from dock_gateway.access.logins import Logins
 from dock_gateway.app import create_app
 from dock_gateway.audit.record import RequestRecord
 from dock_gateway.core.grant import Grant, Role
+from dock_gateway.goals.goal_documents import GoalDocuments
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.quotas import Quotas
@@ -45,6 +46,7 @@ class Site:
                 Settings: self.settings,
                 History: history,
                 Logins: self.logins,
+                GoalDocuments: GoalDocuments(history),
                 Quotas: Quotas(self.settings),
                 Goals: Goals(actions, make_robot_actions(self.settings), history),
                 RobotActions: SimpleNamespace(choose_actions=self._all_actions, homed_in=lambda _: frozenset()),
