@@ -19,6 +19,7 @@ from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.action import FORGET_AFTER, Action
 from dock_gateway.goals.action_document import Uninstalled
+from dock_gateway.goals.expected_goals import ExpectedGoals
 from dock_gateway.goals.goal_machine import GoalMachine, News
 from dock_gateway.goals.goal_publisher import GoalPublisher
 from dock_gateway.goals.limits import LIMITS, GoalLimits
@@ -111,7 +112,7 @@ class ActionRegistry:
         self._types: dict[str, list[str]] = {}  # on the graph, by action
         self._discovery = Discovery("action", settings.max_actions, "max_actions")
         self._changed = asyncio.Event()
-        self._unfinished: dict[str, dict[str, Goal]] = {}  # by action and id
+        self._expected = ExpectedGoals()
         self._started = time.monotonic()
         self._dropped_before = self._ignored_before = 0  # on actions that have been removed
 
@@ -128,7 +129,7 @@ class ActionRegistry:
             if action := self._actions.get(goal.action_name):
                 action.tracker.take_up(goal)
             else:
-                self._unfinished.setdefault(goal.action_name, {})[goal.goal_id] = goal
+                self._expected.add(goal)
 
     async def pin(self, verb: Verb) -> None:
         """Join the preferred docking or undocking action of the configured robot, and keep it even without a server.
@@ -179,9 +180,9 @@ class ActionRegistry:
             action.tracker.on[news].append(listeners)
         self._actions[name] = action
         self.robot_actions.add(action)
-        unfinished = self._unfinished.pop(name, {})
+        expected = self._expected.take(name)
         try:
-            for goal in unfinished.values():
+            for goal in expected:
                 action.tracker.take_up(goal)
             tracker = action.tracker
             await self._bridge.call(
@@ -189,7 +190,7 @@ class ActionRegistry:
             )
         except BaseException:
             await self._forget(action)
-            self.expect(list(unfinished.values()))
+            self.expect(expected)
             raise
         log.info("action %s (%s)", name, type_name)
         return action
@@ -215,7 +216,7 @@ class ActionRegistry:
                     log.warning("action %s was of type %s, and is now of type %s", action.name, action.type, types[0])
                 await self._forget(action)
                 leaving.add(action.name)
-        if self._unfinished and time.monotonic() - self._started > self._forget_after:
+        if self._expected and time.monotonic() - self._started > self._forget_after:
             self._give_up()
         self._discovery.keep(scan.actions)
         new = [name for name in scan.actions if name not in self._actions and name not in leaving]
@@ -230,7 +231,7 @@ class ActionRegistry:
 
     def _give_up(self) -> None:
         """Mark goals whose action has not come back as lost, until it does."""
-        for goal in (goal for goals in self._unfinished.values() for goal in goals.values()):
+        for goal in self._expected:
             if goal.status.terminal:
                 continue
             error = GoalError("action_server_lost", "the action has no server any more")
@@ -380,8 +381,7 @@ class ActionRegistry:
     def lost(self) -> list[Goal]:
         """Return the lost goals that may return, of all actions, including those that have not come back."""
         known = (goal for action in self._actions.values() for goal in action.tracker.live.values())
-        awaited = (goal for goals in self._unfinished.values() for goal in goals.values())
-        return [goal for goal in (*known, *awaited) if goal.status is GoalStatus.LOST]
+        return [goal for goal in (*known, *self._expected) if goal.status is GoalStatus.LOST]
 
     @property
     def feedback_dropped(self) -> int:
@@ -397,14 +397,10 @@ class ActionRegistry:
         """Return the names of the actions with more than one action server."""
         return [name for name, action in self._actions.items() if action.watch.state.duplicate]
 
-    def each(self, do: Callable[[Action], None]) -> None:
-        """Call a function with every action."""
-        for action in self._actions.values():
-            do(action)
-
     def _release_all(self) -> None:
         """Wake every caller that waits for a goal, as the gateway is about to close."""
-        self.each(lambda action: action.tracker.release_all())
+        for action in self._actions.values():
+            action.tracker.release_all()
 
     async def close(self) -> None:
         """Close every action."""

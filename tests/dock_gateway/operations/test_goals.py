@@ -9,18 +9,16 @@ import pytest
 from dock_gateway.core.access import ANYBODY, Principal
 from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.core.request import PERMIT
-from dock_gateway.doors.rest.sent_goals import DOCK, Target, routes_of
 from dock_gateway.goals.delivery import GoalDelivery
 from dock_gateway.goals.docking_hints import DockingHints
-from dock_gateway.goals.goal_documents import GoalDocuments
 from dock_gateway.goals.goal_machine import News
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.shared import Shared
 from dock_gateway.http.parts import Parts
+from dock_gateway.operations.goals import SendGoal, send_goal
 from dock_gateway.settings import Settings
-from tests.support.history import HistoryInMemory, make_goal
+from tests.support.history import make_goal
 from tests.support.permits import permit
-from tests.support.requests import request
 
 
 class FakeAction:
@@ -61,15 +59,11 @@ async def send(*found: Any) -> Any:
     async def find(*_: object) -> Any:
         return next(picked)
 
-    asked = request(b"", [(b"idempotency-key", b"key")])
     actions: Any = SimpleNamespace(find_docking=find)
     hints: Any = SimpleNamespace(hinting=lambda *_: nullcontext())
-    (endpoint,) = (route.endpoint for route in routes_of(DOCK).routes if route.name == "dock")
-    documents = GoalDocuments(HistoryInMemory())
-    parts = Parts({ActionRegistry: actions, DockingHints: hints, GoalDocuments: documents})
     request_permit = permit()
     PERMIT.set(request_permit)
-    await endpoint(asked, parts, ANYBODY, Target("dock"))
+    await send_goal(Parts({ActionRegistry: actions, DockingHints: hints}), ANYBODY, SendGoal(None, key="key"))
     return request_permit.action
 
 
