@@ -32,7 +32,7 @@ async def docks_of(**odd: object) -> tuple[list[dict[str, Any]], str | None]:
 
 async def test_a_dock() -> None:
     pose = {"x": 1.0, "y": 2.5, "theta": 0.5}
-    home = {"dock_id": "home", "type": "wall", "frame": "map", "id": None, "pose": pose}
+    home = {"dock_id": "home", "type": "wall", "frame": "map", "tag_id": None, "pose": pose}
     assert await docks_of(dock_database="/docks.yaml") == ([home], "/docks.yaml")
 
 

@@ -8,7 +8,7 @@ from pydantic import BaseModel
 
 from dock_gateway.access.schema import PasswordBody, TokenBody, UserBody
 from dock_gateway.core.errors import InvalidField
-from dock_gateway.fleet.schema import AcknowledgementBody, Label
+from dock_gateway.fleet.schema import AcknowledgementBody, LabelBody
 from dock_gateway.goals.schema import NoteBody, TagsBody
 from dock_gateway.http.bodies import Name60, read_fields, read_model
 from dock_gateway.http.schema import RobotSelection, Schema
@@ -19,8 +19,9 @@ from tests.support.bodies import expect_refused
 EXAMPLES: dict[type[BaseModel], dict[str, Any]] = {
     PasswordBody: {"old": "correct horse", "new": "another horse"},
     AcknowledgementBody: {"by": "Ada"},
+    LabelBody: {"display_name": "Left forklift", "groups": ["hall 1", "hall 2", "forklifts"]},
 }
-BODIES = [*EXAMPLES, Label, NoteBody, TagsBody, TokenBody, UserBody]
+BODIES = [*EXAMPLES, NoteBody, TagsBody, TokenBody, UserBody]
 
 
 class Selected(Schema):

@@ -73,10 +73,11 @@ class GoalsOnly:
     def __init__(self, history: History) -> None:
         self._history = history
 
-    async def snapshot(self, _: EventFilter) -> Event:
+    async def snapshot(self, _: EventFilter, position: str) -> Event:
         goals = await self._history.page(GoalFilter(), limit=20)
         lists: dict[str, list[Any]] = {"robots": [], "alerts": [], "approvals": []}
-        return notice("snapshot", moment(time.time_ns()), goals=[goal.document() for goal in goals], **lists)
+        documents = [goal.document() for goal in goals]
+        return notice("snapshot", moment(time.time_ns()), position=position, goals=documents, **lists)
 
     def events(self, _: EventFilter) -> list[Event]:
         return []

@@ -151,7 +151,7 @@ async def test_swapped_and_inserted_rows_are_found_and_do_not_stop_the_gateway(
             connection.execute(sa.text(f"UPDATE audit SET sequence = {new} WHERE sequence = {old}"))
 
     def insert(connection: sa.Connection) -> None:
-        columns, values = "at, what, status, digest", "FROM audit WHERE sequence = 5"
+        columns, values = "acted_at, what, status, digest", "FROM audit WHERE sequence = 5"
         connection.execute(sa.text(f"INSERT INTO audit (sequence, id, {columns}) SELECT 6, 'x', {columns} {values}"))
 
     async with opened(database_url, tmp_path) as history:
@@ -168,7 +168,7 @@ async def test_swapped_and_inserted_rows_are_found_and_do_not_stop_the_gateway(
 async def test_a_row_that_cannot_be_read_is_a_fault(sqlite_url: str, tmp_path: Path) -> None:
     async with opened(sqlite_url, tmp_path) as history:
         await history.audit.append([make_entry(1)])
-    await change(sqlite_url, statement("UPDATE audit SET at = 'noon'"))
+    await change(sqlite_url, statement("UPDATE audit SET acted_at = 'noon'"))
     assert "cannot be read" in ((await check(sqlite_url)).fault or "")
 
 

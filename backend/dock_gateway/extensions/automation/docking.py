@@ -356,7 +356,7 @@ def _stopped(stop: Mapping[str, Any]) -> str | None:
     if not stop["latched"]:
         return None
     by = f" by {stop['by']}" if stop["by"] else ""
-    return f"stopped{by} at {stop['since']:%H:%M:%S} UTC"
+    return f"stopped{by} at {stop['stopped_at']:%H:%M:%S} UTC"
 
 
 def _narrow(rule: RuleEntry, grant: Grant, groups: Collection[str]) -> RuleEntry:

@@ -72,7 +72,12 @@ async def closed(reader: asyncio.StreamReader) -> int:
 
 
 FLOODS: dict[str, tuple[Frame | None, Frame, dict[str, Any], int]] = {
-    "fragments": (Frame(Opcode.TEXT, b"{", fin=False), Frame(Opcode.CONT, b"", fin=False), {}, 1008),
+    "fragments": (
+        Frame(Opcode.TEXT, b"{", fin=False),
+        Frame(Opcode.CONT, b"", fin=False),
+        {"max_frames_per_second": 20},
+        1008,
+    ),
     "few fragments a second": (
         Frame(Opcode.TEXT, b"{", fin=False),
         Frame(Opcode.CONT, b"", fin=False),
