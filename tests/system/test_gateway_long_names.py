@@ -44,7 +44,7 @@ def gateway(shared_domain: int) -> Iterator[RunningGateway]:
         ("GET", "/actions{}"),
         ("POST", "/actions{}/goals"),
         ("POST", "/dock?robot={}"),
-        ("DELETE", "/alerts{}/acknowledgement"),
+        ("GET", "/alerts{}"),
     ],
 )
 def test_a_name_that_is_too_long(gateway: RunningGateway, method: str, path: str, name: str) -> None:

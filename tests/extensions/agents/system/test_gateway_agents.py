@@ -154,7 +154,7 @@ async def test_a_goal_to_a_real_robot_waits_for_a_person(world: World) -> None:
 
     async def decide(allow: bool) -> dict:
         approval = await asyncio.to_thread(waiting, world)
-        url = f"/approvals/{approval['approval_id']}/decision"
+        url = f"/approvals/{approval['id']}/decision"
         assert http.put(url, json={"allow": True}, headers=bearer(world.agent)).json()["code"] == "role_required"
         assert http.put(url, json={"allow": allow}, headers=operator).is_success
         return approval
@@ -165,7 +165,7 @@ async def test_a_goal_to_a_real_robot_waits_for_a_person(world: World) -> None:
         assert (approval["agent"], approval["client"]) == ("eve", "test-agent 1.0")
         assert (approval["action_name"], approval["goal"]) == (REAL, {"order": 3})
         assert "ada has refused the goal (approval_refused)" in refusal(await calling)
-        again = http.put(f"/approvals/{approval['approval_id']}/decision", json={"allow": True}, headers=operator)
+        again = http.put(f"/approvals/{approval['id']}/decision", json={"allow": True}, headers=operator)
         assert again.json()["code"] == "approval_not_found"
 
         calling = asyncio.create_task(client.call_tool("send_goal", arguments))
@@ -190,7 +190,7 @@ async def test_the_person_who_uses_the_agent_is_asked_in_its_program(world: Worl
         if len(asked) < 3:
             return ElicitResult(action="accept", content={"allow": len(asked) == 1})
         approval = await asyncio.to_thread(waiting, world)
-        http.put(f"/approvals/{approval['approval_id']}/decision", json={"allow": False}, headers=operator)
+        http.put(f"/approvals/{approval['id']}/decision", json={"allow": False}, headers=operator)
         return ElicitResult(action="accept", content={"allow": True})
 
     async with agent(world.gateway, world.agent, elicitation_callback=person) as client:
@@ -222,7 +222,7 @@ async def test_so_does_one_by_rest_with_the_token_of_an_agent(world: World) -> N
     with world.gateway.stream("?include=robots", headers=bearer(world.operator)) as stream:
         assert stream.until_type("snapshot")["approvals"][0]["id"] == approval["id"]
         decided = http.put(
-            f"/approvals/{approval['approval_id']}/decision", json={"allow": True}, headers=bearer(world.operator)
+            f"/approvals/{approval['id']}/decision", json={"allow": True}, headers=bearer(world.operator)
         )
         assert decided.is_success
         assert stream.until_type("approvals")["approvals"] == []

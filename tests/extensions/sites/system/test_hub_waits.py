@@ -62,7 +62,7 @@ async def allow_late(world: World) -> float:
     approval = await asyncio.to_thread(waiting, world)
     assert approval["agent"] == "hub:bot"
     await asyncio.sleep(LONG)
-    assert world.site.http.post(f"/approvals/{approval['approval_id']}", json={"allow": True}).is_success
+    assert world.site.http.put(f"/approvals/{approval['id']}/decision", json={"allow": True}).is_success
     return time.monotonic()
 
 
