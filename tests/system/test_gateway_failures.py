@@ -184,7 +184,7 @@ def test_a_server_that_ends_cleanly_aborts_its_goal(gateway: RunningGateway, dom
         server.send_signal(signal.SIGTERM)
         assert server.wait() == 0
         result = stream.until_type("result")
-        assert (result["status"], result["error"]["code"]) == ("aborted", "shutting_down")
+        assert (result["status"], result["error"]["code"]) == ("aborted", "server_shutting_down")
         stream.until_zero()
 
 
