@@ -102,7 +102,7 @@ def test_a_goal_waits_for_a_person_who_takes_longer_than_an_answer_may(
             asked.update(each["id"] for each in gateway.http.get("/approvals").json()["approvals"])
             time.sleep(0.1)
         (approval,) = asked
-        gateway.http.post(f"/approvals/{approval}", json={"allow": True}).raise_for_status()
+        gateway.http.put(f"/approvals/{approval}/decision", json={"allow": True}).raise_for_status()
 
     before = len(gateway.http.get("/actions/fibonacci/goals").json()["goals"])
     with ThreadPoolExecutor() as threads, client_of(gateway, tokens["agent"]) as client:

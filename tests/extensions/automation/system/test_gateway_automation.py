@@ -110,7 +110,7 @@ def test_a_stop_holds_a_robot_that_should_dock(domain: int) -> None:
         wait_until(lambda: waits_for(gateway) == ["battery_unknown"], "silence")
         assert goals(gateway) == []
         assert gateway.http.delete(f"{RULES}/low-battery").status_code == 204
-        assert gateway.http.delete(f"{RULES}/low-battery").json()["code"] == "rule_not_found"
+        assert gateway.http.get(f"{RULES}/low-battery").json()["code"] == "rule_not_found"
 
 
 def test_robots_that_share_a_docking_action_are_not_docked(domain: int) -> None:
