@@ -114,7 +114,7 @@ class Reader(Worker):
                         event = orjson.loads(connection.recv(0.5))
                     except TimeoutError:
                         continue
-                    if "id" not in event:
+                    if "id" not in event or event["type"] in ("snapshot", "heartbeat"):  # their id is a position
                         self.notices[event["type"]] += 1
                         continue
                     if event["id"] <= last:

@@ -62,7 +62,7 @@ class Reader:
                 if gateway.dead or self._move:
                     return
                 document = orjson.loads(event.data)
-                if event.id is None:
+                if event.id is None or document["type"] in ("snapshot", "heartbeat"):  # their id is a position
                     self.notices[document["type"]] += 1
                     continue
                 kind = document["type"]
