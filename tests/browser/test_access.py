@@ -362,7 +362,7 @@ def test_an_admin_reads_the_audit_log(page: Page, gateway: RunningGateway, secre
     expect(rows.nth(55)).to_be_visible()  # as it was
     with page.expect_download() as download:
         page.get_by_role("link", name="Export CSV of these records").click()
-    assert download.value.path().read_text().startswith("sequence,id,at,principal")
+    assert download.value.path().read_text().startswith("sequence,id,acted_at,principal")
     for width in (320, 768):
         page.set_viewport_size({"width": width, "height": 900})
         expect_no_sideways_scrolling(page)

@@ -92,7 +92,9 @@ CASES = {
     "a parameter": Case("PATCH", PARAMETERS, {"battery_resume_after": 7.5}, PARAMETERS, PERIOD, PERIOD),
     "a stop": Case("POST", "/stop", {"by": "Ada"}, "/stop", part("stop", SAID), SAID),
     "acknowledged": Case("PUT", ACKNOWLEDGEMENT, {"by": "Ada"}, "/alerts", whole, ALERT),
-    "not acknowledged": Case("DELETE", ACKNOWLEDGEMENT, None, "/alerts", whole, ALERT),
+    "not acknowledged": Case(
+        "DELETE", ACKNOWLEDGEMENT, None, "/alerts", nothing, lambda read: ALERT(read)["acknowledged"]
+    ),
     "a release": Case("DELETE", "/stop", None, "/stop", SAID, SAID),
     "a label": Case("PUT", "/label", LABEL, "/robots", LABELED, entry("robots", "name", "/", LABELED)),
     "a rule": Case(

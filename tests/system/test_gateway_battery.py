@@ -70,7 +70,7 @@ def test_it_is_over_once_values_are_right_for_a_while(gateway: RunningGateway, o
         assert set(alerts(gateway)) == {"low_battery", "battery_implausible"}
         wait_until(lambda: list(alerts(gateway)) == ["low_battery"], "the end of the alert")
         assert battery(gateway)["percentage"] == pytest.approx(0.12)
-        assert before["since"]
+        assert before["started_at"]
 
 
 def test_a_driver_that_counts_to_100_by_the_setting(domain: int, observer: Observer) -> None:

@@ -20,8 +20,8 @@ docks:
   home: {type: wall, frame: map, pose: [1, 2.5, 0.5], id: 7}
   lab: {}
 """
-HOME = {"dock_id": "home", "type": "wall", "frame": "map", "pose": {"x": 1.0, "y": 2.5, "theta": 0.5}, "id": "7"}
-LAB = {"dock_id": "lab", "type": None, "frame": "map", "pose": None, "id": None}
+HOME = {"dock_id": "home", "type": "wall", "frame": "map", "pose": {"x": 1.0, "y": 2.5, "theta": 0.5}, "tag_id": "7"}
+LAB = {"dock_id": "lab", "type": None, "frame": "map", "pose": None, "tag_id": None}
 BATTERY = {"state": {"power_supply_status": 3, "percentage": 0.2, "voltage": 8.4}, "rate_hz": 5.0}
 
 
@@ -99,8 +99,8 @@ def test_a_server_without_docks(domain: int, gateway: RunningGateway) -> None:
 def test_nav2(domain: int, gateway: RunningGateway) -> None:
     with nav2(domain, "--docks", "home", "lab"):
         wait_until(lambda: docks(gateway)["status_code"] == 200, "the server")
-        home = HOME | {"type": "charger", "id": None}
-        lab = {"dock_id": "lab", "type": "charger", "frame": "map", "pose": home["pose"], "id": None}
+        home = HOME | {"type": "charger", "tag_id": None}
+        lab = {"dock_id": "lab", "type": "charger", "frame": "map", "pose": home["pose"], "tag_id": None}
         assert docks(gateway) == {
             "status_code": 200,
             "node": "/docking_server",

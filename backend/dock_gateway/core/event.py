@@ -4,6 +4,8 @@ An event's id starts with the ROS source timestamp of the message that caused it
 the network: nanoseconds, padded so that ids sort as text. The event's kind and its subject follow.
 """
 
+import hashlib
+import re
 import struct
 import time
 from collections.abc import Callable, Mapping
@@ -92,6 +94,9 @@ STAMP_DIGITS = 20
 # Maximum difference between the clocks of two gateways, in nanoseconds.
 CLOCK_TOLERANCE = 5_000_000_000
 KIND_AT = STAMP_DIGITS + 1
+# Digits of the digest that a position has in place of a goal's id or a robot's namespace.
+POSITION_DIGITS = 16
+POSITION = re.compile(rf"([0-9]{{{STAMP_DIGITS}}}-[A-Za-z_]+-)[0-9a-f]{{{POSITION_DIGITS}}}")
 # Sorts after the id of every event.
 NEVER = "~"
 
@@ -126,6 +131,12 @@ class EventClock:
 def event_id(stamp_ns: int, kind: str, subject: str) -> str:
     """Return the id of an event, sortable as text. `subject` is a goal's id or a robot's namespace."""
     return f"{time_id(stamp_ns)}-{kind}-{subject}"
+
+
+def position_of(identity: str) -> str:
+    """Return the position of an event, for any reader: its id, but for what it is about, which not everyone may see."""
+    stamp, kind, _ = identity.split("-", 2)
+    return f"{stamp}-{kind}-{hashlib.sha256(identity.encode()).hexdigest()[:POSITION_DIGITS]}"
 
 
 def restamped(event: Event, stamp_ns: int) -> Event:

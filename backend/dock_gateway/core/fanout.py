@@ -10,7 +10,7 @@ from operator import attrgetter
 from typing import Protocol
 
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.core.event import STATUS, Event, EventClock, event_id
+from dock_gateway.core.event import POSITION, STATUS, Event, EventClock, event_id, position_of
 from dock_gateway.core.event_buffer import EventBuffer
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.line import Line
@@ -265,8 +265,20 @@ class Fanout:
 
     @property
     def position(self) -> str:
-        """Id of the last event that was published, to go on from."""
-        return next(reversed(self._recent), self._beginning)
+        """The last event that was published, to go on from: `resolve` knows it."""
+        newest = next(reversed(self._recent), None)
+        return self._beginning if newest is None else position_of(newest)
+
+    def resolve(self, after: str) -> str:
+        """Return the id of the event that a reader names, by its id or its position.
+
+        Of a position that this process no longer holds, return what comes right before: its event may come once more.
+        """
+        found = POSITION.fullmatch(after)
+        if found is None:
+            return after
+        same = (each for each in self._recent if each.startswith(found[1]) and position_of(each) == after)
+        return next(same, found[1])
 
     def since(self, after: str, event_filter: EventFilter) -> list[Event] | None:
         """Return the events published after an event, in order; None if that event is not in the buffer."""

@@ -87,9 +87,10 @@ async def begin(parts: Parts, subscriber: Subscriber, after: str | None) -> Asyn
     subscriber.clear()  # everything up to now is in the snapshot or the replay
     position = parts[Fanout].position
     if after is not None and parts[Fanout].clock.is_past(after):
-        missed = await _missed(parts, subscriber, after)
+        known = parts[Fanout].resolve(after)
+        missed = await _missed(parts, subscriber, known)
         if missed.complete:
-            over = await _ended_before(parts, subscriber.event_filter, after)
+            over = await _ended_before(parts, subscriber.event_filter, known)
             yield notice("resumed", utc_now(), ends_goal=over, after=after, count=len(missed.events))
             for event in permitted(subscriber, (*missed.events, *parts[Present].events(subscriber.event_filter))):
                 yield event
