@@ -93,7 +93,7 @@ CASES = {
     "a stop": Case("POST", "/stop", {"by": "Ada"}, "/stop", part("stop", SAID), SAID),
     "acknowledged": Case("PUT", ACKNOWLEDGEMENT, {"by": "Ada"}, "/alerts", whole, ALERT),
     "not acknowledged": Case(
-        "DELETE", ACKNOWLEDGEMENT, None, "/alerts", nothing, lambda read: ALERT(read)["acknowledged"]
+        "DELETE", ACKNOWLEDGEMENT, None, "/alerts", nothing, lambda read, ids: ALERT(read, ids)["acknowledged"]
     ),
     "a release": Case("DELETE", "/stop", None, "/stop", SAID, SAID),
     "a label": Case("PUT", "/label", LABEL, "/robots", LABELED, entry("robots", "name", "/", LABELED)),
