@@ -9,13 +9,18 @@ import { CommandErrorAlert } from "../../ui/errors";
 import { ReasonButton } from "../../ui/ReasonButton";
 import { useCommand } from "../../ui/requests";
 import { Section } from "../../ui/Section";
+import { useSimulatorAsked } from "./placing";
 import { type Fault, useSimulatorApi } from "./requests";
 
 const NOT_CONNECTED = "The simulator is out of reach while the gateway is not connected.";
 const NOT_ANSWERED = "The simulator has not answered yet.";
 
-/** What can be done to a simulated robot; nothing where there is none. The picture, which is always there, asks for it. */
+/**
+ * What can be done to a simulated robot; nothing where there is none.
+ * It asks for the simulator itself: in a tab that is hidden, as that of the picture is then, no effect runs.
+ */
 export default function SimulatorCard() {
+  useSimulatorAsked();
   const simulator = useTopic("simulator");
   return simulator === null ? null : <Controls simulator={simulator} />;
 }

@@ -22,7 +22,7 @@ export function SimulatedPlacing({ onPlacing }: Places["placing"]): null {
  * Asks for the simulator whenever the page reconnects or the scene stops or goes on; events tell of what changes later.
  * It is asked for where there is a true pose, which has no other source.
  */
-function useSimulatorAsked(): void {
+export function useSimulatorAsked(): void {
   const { get } = useSimulatorApi();
   const { store } = useServices();
   const freshness = useFreshness("scene");
