@@ -20,7 +20,11 @@ def node(domain: int) -> Iterator[Process]:
 @pytest.fixture(scope="module")
 def gateway(domain: int, node: Process) -> Iterator[RunningGateway]:
     with ExitStack() as stack:
-        lists = {"call_services": "/robot1/echo", "publish": "/robot1/chatter", "set_parameters": "/robot1/base"}
+        lists = {
+            "allow_services": "/robot1/echo",
+            "allow_publish": "/robot1/chatter",
+            "allow_parameters": "/robot1/base",
+        }
         gateway = stack.enter_context(running_gateway(domain, **lists))
         wait_until(lambda: gateway.http.get("/services/robot1/echo").is_success, "the node")
         yield gateway

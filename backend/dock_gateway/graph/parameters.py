@@ -1,4 +1,4 @@
-"""Reads the parameters of nodes, and sets those that the setting `set_parameters` allows."""
+"""Reads the parameters of nodes, and sets those that the setting `allow_parameters` allows."""
 
 import asyncio
 from collections import OrderedDict

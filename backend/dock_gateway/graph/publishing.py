@@ -1,4 +1,4 @@
-"""Publishes messages on any topic of the ROS graph that the setting `publish` allows.
+"""Publishes messages on any topic of the ROS graph that the setting `allow_publish` allows.
 
 A message may do anything, also move a robot past goals and the latch. So nothing is published on a topic that the
 setting does not name, and while a robot is stopped, only what cannot command it.

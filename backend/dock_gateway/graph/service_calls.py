@@ -1,4 +1,4 @@
-"""Calls any service on the ROS graph that the setting `call_services` allows.
+"""Calls any service on the ROS graph that the setting `allow_services` allows.
 
 A service may do anything, also move a robot past goals and the latch. So none is called that the setting does not
 name, except those that only read; and none of a stopped robot, except those.

@@ -25,7 +25,7 @@ class Advertised:
 
 
 class FoxglovePublications:
-    """Publishes for one client what the setting `publish` and the user's grant allow.
+    """Publishes for one client what the setting `allow_publish` and the user's grant allow.
 
     The audit log has each topic that is advertised.
 
