@@ -69,7 +69,7 @@ def test_a_recorded_goal_is_replayed(domain: int, observer: Observer, tmp_path: 
         path = f"/goals/{goal_id}"
         wait_until(lambda: gateway.http.get(path).json()["recording"]["size"], "the recording")
         recording = tmp_path / "goal.mcap"
-        recording.write_bytes(gateway.http.get(f"{path}.mcap").content)
+        recording.write_bytes(gateway.http.get(f"{path}/recording.mcap").raise_for_status().content)
 
     code, words = replay(recording)
     assert (code, "it takes the same course" in words) == (0, True), words
@@ -108,7 +108,7 @@ def docking(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
             gateway.wait_for_goal(goal_id, "succeeded")
         path = f"/goals/{goal_id}"
         wait_until(lambda: gateway.http.get(path).raise_for_status().json()["recording"]["size"], "the recording")
-        file.write_bytes(gateway.http.get(f"{path}.mcap").raise_for_status().content)
+        file.write_bytes(gateway.http.get(f"{path}/recording.mcap").raise_for_status().content)
         yield file
 
 
