@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from dock_gateway.extensions.cameras import forms as module
 from dock_gateway.extensions.cameras.forms import Forms
-from tests.support.waiting import until
+from tests.support.waiting import PATIENCE, until
 
 TOPICS = ("/front/compressed", "/front", "/front/compressedDepth")
 TICK, SILENT = 0.01, 0.08
@@ -50,7 +50,7 @@ class Camera:
                 await self.publish()
                 await asyncio.sleep(TICK / 2)
 
-        await asyncio.wait_for(once(), 10)
+        await asyncio.wait_for(once(), PATIENCE)
 
 
 @pytest.fixture(autouse=True)
@@ -93,7 +93,7 @@ async def test_the_best_form_that_speaks_is_read_alone_and_all_while_none_does(
                     await camera.publish()
                     await asyncio.sleep(TICK / 2)
 
-            await asyncio.wait_for(once(), 10)
+            await asyncio.wait_for(once(), PATIENCE)
             assert camera.joined <= set(good)
     finally:
         await camera.forms.close()
