@@ -12,6 +12,7 @@ from typing import Annotated, Any
 
 from fastapi import Depends, Header
 from pydantic import Field
+from pydantic.json_schema import SkipJsonSchema
 from starlette.responses import Response
 
 from dock_gateway.core.errors import FieldError, InvalidField, NotFound, got
@@ -21,7 +22,7 @@ from dock_gateway.http.requests import Answer, ModelT
 from dock_gateway.http.schema import Schema
 
 # Entity tags in a header. `W/` is what a proxy that compresses answers makes of a tag.
-TAGS = re.compile(r'\s*(?:\*|(?:W/)?"[^"]*"(?:\s*,\s*(?:W/)?"[^"]*")*)\s*')
+TAGS = re.compile(r'^[ \t]*(?:\*|(?:W/)?"[!#-~]*"(?:[ \t]*,[ \t]*(?:W/)?"[!#-~]*")*)[ \t]*$')
 TAG = re.compile(r'"[^"]*"|\*')
 ETAG_HEADER = {"ETag": {"description": "The version, for `If-Match`", "schema": {"type": "string"}}}
 LOCATION_HEADER = {"Location": {"description": "Its path", "schema": {"type": "string"}}}
@@ -60,13 +61,15 @@ async def removed(removal: Awaitable[object]) -> Response:
 
 
 IfMatch = Annotated[
-    str | None,
+    str | SkipJsonSchema[None],
     Header(
-        alias="If-Match", description="Entity tags: change it only if its version is one of these; `*`: if it exists"
+        alias="If-Match",
+        description="Entity tags: change it only if its version is one of these; `*`: if it exists",
+        json_schema_extra={"pattern": TAGS.pattern},
     ),
 ]
 IfNoneMatch = Annotated[
-    str | None,
+    str | SkipJsonSchema[None],
     Header(alias="If-None-Match", description="`*`: only if there is none yet", json_schema_extra={"pattern": r"^\*$"}),
 ]
 

@@ -7931,9 +7931,9 @@ export interface operations {
             query?: never;
             header?: {
                 /** @description Entity tags: change it only if its version is one of these; `*`: if it exists */
-                "If-Match"?: string | null;
+                "If-Match"?: string;
                 /** @description `*`: only if there is none yet */
-                "If-None-Match"?: string | null;
+                "If-None-Match"?: string;
             };
             path: {
                 /** @description Lower-case letters, digits and hyphens, up to 40 */
@@ -8107,7 +8107,7 @@ export interface operations {
             query?: never;
             header?: {
                 /** @description Entity tags: change it only if its version is one of these; `*`: if it exists */
-                "If-Match"?: string | null;
+                "If-Match"?: string;
             };
             path: {
                 /** @description Lower-case letters, digits and hyphens, up to 40 */
@@ -8366,9 +8366,9 @@ export interface operations {
             query?: never;
             header?: {
                 /** @description Entity tags: change it only if its version is one of these; `*`: if it exists */
-                "If-Match"?: string | null;
+                "If-Match"?: string;
                 /** @description `*`: only if there is none yet */
-                "If-None-Match"?: string | null;
+                "If-None-Match"?: string;
             };
             path: {
                 /** @description Lower-case letters, digits and hyphens, up to 40 */
@@ -8545,7 +8545,7 @@ export interface operations {
             query?: never;
             header?: {
                 /** @description Entity tags: change it only if its version is one of these; `*`: if it exists */
-                "If-Match"?: string | null;
+                "If-Match"?: string;
             };
             path: {
                 /** @description Lower-case letters, digits and hyphens, up to 40 */
@@ -12802,7 +12802,7 @@ export interface operations {
             query?: never;
             header?: {
                 /** @description Entity tags: change it only if its version is one of these; `*`: if it exists */
-                "If-Match"?: string | null;
+                "If-Match"?: string;
             };
             path: {
                 /** @description `id` of the alert */
@@ -12935,7 +12935,7 @@ export interface operations {
             query?: never;
             header?: {
                 /** @description Entity tags: change it only if its version is one of these; `*`: if it exists */
-                "If-Match"?: string | null;
+                "If-Match"?: string;
             };
             path: {
                 /** @description `id` of the alert */
@@ -13657,9 +13657,9 @@ export interface operations {
             query?: never;
             header?: {
                 /** @description Entity tags: change it only if its version is one of these; `*`: if it exists */
-                "If-Match"?: string | null;
+                "If-Match"?: string;
                 /** @description `*`: only if there is none yet */
-                "If-None-Match"?: string | null;
+                "If-None-Match"?: string;
             };
             path: {
                 user: string;
@@ -13829,7 +13829,7 @@ export interface operations {
             query?: never;
             header?: {
                 /** @description Entity tags: change it only if its version is one of these; `*`: if it exists */
-                "If-Match"?: string | null;
+                "If-Match"?: string;
             };
             path: {
                 user: string;
@@ -14363,7 +14363,7 @@ export interface operations {
             query?: never;
             header?: {
                 /** @description Entity tags: change it only if its version is one of these; `*`: if it exists */
-                "If-Match"?: string | null;
+                "If-Match"?: string;
             };
             path: {
                 token_id: string;
