@@ -26,6 +26,7 @@ GRANTS = st.builds(Grant, st.sampled_from(Role), PATTERNS, PATTERNS, PATTERNS)
 @example(Grant(Role.VIEWER, ("/",)), "/", "/dock")
 @example(Grant(Role.VIEWER, ("/*b/a*",), ("*",), ("/a*/*",)), "/ab", "/ab")
 def test_a_grant_covers_the_same_at_the_site(grant: Grant, robot: str, name: str) -> None:
+    assume(not name.startswith("/_action/"))  # no action has an empty name
     site, at_hub = site_grant(grant, "ab"), to_hub("ab", name)
     if site is None:
         assert not grant.covers_robot(to_hub("ab", robot))
