@@ -1,7 +1,7 @@
 """Names and grants of a hub, and what they are at a site."""
 
 import pytest
-from hypothesis import example, given
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from dock_gateway.core.grant import Grant, Role
