@@ -264,10 +264,14 @@ class Fanout:
         self.sent[kind] += readers
 
     @property
+    def newest(self) -> str:
+        """Id of the last event that was published. Readers get its position instead, which `resolve` knows."""
+        return next(reversed(self._recent), self._beginning)
+
+    @property
     def position(self) -> str:
-        """The last event that was published, to go on from: `resolve` knows it."""
-        newest = next(reversed(self._recent), None)
-        return self._beginning if newest is None else position_of(newest)
+        """The position of the last event that was published, to go on from."""
+        return position_of(self.newest)
 
     def resolve(self, after: str) -> str:
         """Return the id of the event that a reader names, by its id or its position.
@@ -277,7 +281,11 @@ class Fanout:
         found = POSITION.fullmatch(after)
         if found is None:
             return after
-        same = (each for each in self._recent if each.startswith(found[1]) and position_of(each) == after)
+        same = (
+            each
+            for each in (self._beginning, *self._recent)
+            if each.startswith(found[1]) and position_of(each) == after
+        )
         return next(same, found[1])
 
     def since(self, after: str, event_filter: EventFilter) -> list[Event] | None:

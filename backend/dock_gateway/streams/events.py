@@ -124,13 +124,13 @@ async def _sse_chunks(
     with subscribed(parts, principal, await read_event_filter(parts, query, principal.grant)) as subscriber:
         # The events that the client is sent show whether the goal has ended. It could end during a separate lookup.
         ended = False
-        position = parts[Fanout].position
+        newest = parts[Fanout].newest
         async for event in begin(parts, subscriber, after):
             yield event.sse
             ended = event.ends_goal
         if ended:
             return
-        async for event in follow(parts, subscriber, max_rate, position):
+        async for event in follow(parts, subscriber, max_rate, newest):
             yield event.sse
             if event.ends_goal:
                 return

@@ -6,7 +6,7 @@ import time
 from collections.abc import AsyncIterator, Iterable, Iterator
 
 from dock_gateway.core.errors import GatewayError
-from dock_gateway.core.event import Event, notice, utc_now
+from dock_gateway.core.event import Event, notice, position_of, utc_now
 from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.throttle import Throttle
@@ -34,15 +34,15 @@ async def feed(
             state of all that is not replayed. If some events are gone: `gap`, the remaining ones, and a snapshot.
         max_rate: Maximum messages per second of each goal's feedback, of battery and of velocity.
     """
-    position = parts[Fanout].position
+    newest = parts[Fanout].newest
     async for event in begin(parts, subscriber, after):
         yield event
-    async for event in follow(parts, subscriber, max_rate, position):
+    async for event in follow(parts, subscriber, max_rate, newest):
         yield event
 
 
 async def follow(
-    parts: Parts, subscriber: Subscriber, max_rate: float | None = None, position: str | None = None
+    parts: Parts, subscriber: Subscriber, max_rate: float | None = None, newest: str | None = None
 ) -> AsyncIterator[Event]:
     """Yield every message of a `feed` after the first ones: events, and notices of the stream itself.
 
@@ -50,7 +50,7 @@ async def follow(
         parts: The parts of the gateway.
         subscriber: The reader's place in the fan-out.
         max_rate: As for `feed`.
-        position: Id of the last event before the first messages, for heartbeats; None if these have none.
+        newest: Id of the last event before the first messages, for heartbeats; None if these have no position.
     """
     interval = parts[Settings].heartbeat_interval
     throttle = Throttle(max_rate)
@@ -58,16 +58,16 @@ async def follow(
     while not (parts[Fanout].closing or subscriber.overrun or subscriber.expelled):
         due = min(next_heartbeat, throttle.next_due())
         events, dropped = await subscriber.take(max(0.0, due - time.monotonic()))
-        reached = parts[Fanout].position if position is not None and subscriber.empty else None
+        reached = parts[Fanout].newest if newest is not None and subscriber.empty else None
         if dropped:
             yield notice("dropped", utc_now(), count=dropped)
         now = time.monotonic()
         for event in permitted(subscriber, throttle.let_through(events, now)):
             yield event
         if reached is not None and throttle.next_due() == math.inf:  # nothing is held back
-            position = reached
+            newest = reached
         if now >= next_heartbeat:
-            yield notice("heartbeat", utc_now(), position=position)
+            yield notice("heartbeat", utc_now(), position=newest and position_of(newest))
             next_heartbeat = now + interval
     yield notice("closing", utc_now(), reason=end_of(subscriber))
 
@@ -85,7 +85,7 @@ async def begin(parts: Parts, subscriber: Subscriber, after: str | None) -> Asyn
     If the reader wants a single goal, `ends_goal` of the last one says whether the reader now knows how the goal ended.
     """
     subscriber.clear()  # everything up to now is in the snapshot or the replay
-    position = parts[Fanout].position
+    newest = parts[Fanout].newest
     if after is not None and parts[Fanout].clock.is_past(after):
         known = parts[Fanout].resolve(after)
         missed = await _missed(parts, subscriber, known)
@@ -101,7 +101,7 @@ async def begin(parts: Parts, subscriber: Subscriber, after: str | None) -> Asyn
     elif after is not None:
         yield notice("gap", utc_now(), after=after, count=0)
     if not subscriber.expelled:
-        yield await parts[Present].snapshot(subscriber.event_filter, position)
+        yield await parts[Present].snapshot(subscriber.event_filter, position_of(newest))
 
 
 def permitted(subscriber: Subscriber, events: Iterable[Event]) -> Iterator[Event]:
