@@ -12,13 +12,15 @@ from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.scene import Pose
 from dock_gateway.core.tasks import cancel
 from dock_gateway.ros.bridge import Bridge
-from dock_gateway.ros.parameter_reader import ParameterReader, find_server_node
+from dock_gateway.ros.parameter_reader import ParameterReader, find_servers
 
 # Seconds for which an answer of a server is used again.
 FRESH = 5.0
 # Seconds to read everything.
 WITHIN = 6.0
 KEYS = ("type", "frame", "pose", "id")
+# The fields of a dock that are texts, and their keys.
+TEXTS = {"type": "type", "frame": "frame", "tag_id": "id"}
 
 
 @dataclass(frozen=True)
@@ -64,9 +66,9 @@ class Docks:
             await cancel(reading.task)
 
     async def _read(self, action: str, family: str, default: str) -> dict[str, Any]:
-        node = await find_server_node(self._bridge, action)
-        if node is None:
+        if not (servers := await find_servers(self._bridge, action)):
             raise Unavailable(f"there is no server for {action}")
+        node, _ = servers[0]
         reader = ParameterReader(self._bridge, node)
         try:
             async with asyncio.timeout(WITHIN):
@@ -98,8 +100,7 @@ async def _read_docks(reader: ParameterReader) -> tuple[list[dict[str, Any]], st
 
 def _document(name: str, values: Mapping[str, Any]) -> dict[str, Any]:
     pose = _pose(_array(values.get(f"{name}.pose")))
-    texts = {key: str(values.get(f"{name}.{key}", "")) or None for key in ("type", "frame", "id")}
-    texts["tag_id"] = texts.pop("id")
+    texts = {field: str(values.get(f"{name}.{key}", "")) or None for field, key in TEXTS.items()}
     return {"dock_id": name, **texts, "pose": None if pose is None else pose._asdict()}
 
 

@@ -93,11 +93,11 @@ def read_value(value: ParameterValue) -> Any:
         return None
 
 
-async def find_server_node(bridge: Bridge, action: str) -> str | None:
-    """Return the full name of the node that serves an action; None if there is none.
+async def find_servers(bridge: Bridge, action: str) -> list[tuple[str, bytes]]:
+    """Return the full names of the nodes that serve an action, each with the GID of its endpoint; at most one, usually.
 
     Raises:
         Unavailable: The ROS thread is down.
     """
     topic = await bridge.call(lambda: read_topic(bridge.node, f"{action}{ACTION_PART}{STATUS}"))
-    return next((publisher.node for publisher in topic.publishers if publisher.node is not None), None)
+    return [(publisher.node, publisher.gid) for publisher in topic.publishers if publisher.node is not None]

@@ -11,6 +11,7 @@ from dock_gateway.core.grant import Role
 from dock_gateway.core.work import in_turns
 from dock_gateway.extensions.foxglove.protocol import MAX_PARAMETERS, Json, ParameterIn
 from dock_gateway.graph.cache import GraphCache
+from dock_gateway.graph.parameter_events import EVENT_TYPE, EVENTS, read_event
 from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import Relays
 from dock_gateway.http.operation import Audit, Scope, operation
@@ -19,7 +20,6 @@ from dock_gateway.ros.parameter_values import plain_value
 from dock_gateway.streams.node_parameters import NodeParameters
 from dock_gateway.streams.rights import Rights
 
-EVENTS, EVENT_TYPE = "/parameter_events", "rcl_interfaces/msg/ParameterEvent"
 SEPARATOR = "."
 # The parameter types of the protocol, by those of ROS.
 BYTE_ARRAY = "byte_array"
@@ -104,7 +104,7 @@ class ClientParameters:
 
     async def offer(self, message: Received) -> None:
         """Take a message about parameters that have changed."""
-        event = message.once(_decode)
+        event = message.once(read_event)
         if event is None or not self._rights.grant.covers_place(event.node):
             return
         for parameter in (*event.new_parameters, *event.changed_parameters):
@@ -171,10 +171,3 @@ def _by_node(names: Iterable[str]) -> dict[str, list[str]]:
         node, parameter = split_name(name)
         nodes.setdefault(node, []).append(parameter)
     return nodes
-
-
-def _decode(message: Received) -> Any:
-    try:
-        return message.kind.decode(message.data)
-    except Exception:  # noqa: BLE001 - whatever the bytes of others bring about
-        return None

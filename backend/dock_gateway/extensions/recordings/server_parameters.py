@@ -8,17 +8,14 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from dock_gateway.core.errors import GatewayError
-from dock_gateway.core.graph import ACTION_PART, STATUS
+from dock_gateway.graph.parameter_events import EVENT_TYPE, EVENTS, read_event
 from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import Relays
 from dock_gateway.ros.bridge import Bridge
-from dock_gateway.ros.graph import read_topic
-from dock_gateway.ros.parameter_reader import ParameterReader, read_value
+from dock_gateway.ros.parameter_reader import ParameterReader, find_servers, read_value
 
 log = logging.getLogger(__name__)
 
-# Where every node says which of its parameters have changed.
-EVENTS, EVENT_TYPE = "/parameter_events", "rcl_interfaces/msg/ParameterEvent"
 # Seconds after which a server that has not answered is asked again.
 PAUSE = 10.0
 
@@ -63,7 +60,7 @@ class ServerParameters:
 
     async def _know(self, action: str) -> _Known | None:
         """Return what is known of a server, and ask it if that is not all."""
-        if not (servers := await self._find(action)):
+        if not (servers := await find_servers(self._bridge, action)):
             return None
         node, gid = servers[-1]
         known = self._known.get(action)
@@ -86,20 +83,14 @@ class ServerParameters:
             await self._relays.join(EVENTS, EVENT_TYPE, self)
             self._listening = True
 
-    async def _find(self, action: str) -> list[tuple[str, bytes]]:
-        """Return the nodes that serve an action, each with its endpoint."""
-        topic = await self._bridge.call(lambda: read_topic(self._bridge.node, f"{action}{ACTION_PART}{STATUS}"))
-        return [(each.node, each.gid) for each in topic.publishers if each.node is not None]
-
     async def _ask(self, node: str) -> dict[str, Any]:
         with closing(ParameterReader(self._bridge, node)) as reader:
             return dict(await reader.values(sorted(await reader.names())))
 
     async def offer(self, message: Received) -> None:
         """Take a message about parameters that have changed."""
-        try:
-            event = message.once(_decode)
-        except Exception:  # noqa: BLE001 - whatever the bytes of others bring about
+        event = message.once(read_event)
+        if event is None:
             return
         for known in self._known.values():
             if known.node != event.node:
@@ -114,7 +105,3 @@ class ServerParameters:
         if self._listening:
             self._listening = False
             await self._relays.leave(EVENTS, self)
-
-
-def _decode(message: Received) -> Any:
-    return message.kind.decode(message.data)
