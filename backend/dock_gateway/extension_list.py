@@ -11,9 +11,12 @@ from functools import cache
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec
+from typing import TypeVar
 
 from dock_gateway.setting_groups.group import PREFIX
 from dock_gateway.settings import ExtensionSettings, Settings
+
+S = TypeVar("S", bound=Settings)
 
 OURS = (
     "audit_log",
@@ -85,7 +88,12 @@ def extension_settings() -> tuple[type[ExtensionSettings], ...]:
 @cache
 def settings_type() -> type[Settings]:
     """Return the settings of a gateway with those of its extensions."""
-    return type("GatewaySettings", (*extension_settings(), Settings), {"__doc__": Settings.__doc__})
+    return with_extensions("GatewaySettings", Settings, extension_settings())
+
+
+def with_extensions(name: str, base: type[S], added: Iterable[type[ExtensionSettings]]) -> type[S]:
+    """Return settings that have those of extensions, too."""
+    return type(name, (*added, base), {"__doc__": base.__doc__})
 
 
 def ours_with_settings(names: Iterable[str] = OURS) -> Iterator[type[ExtensionSettings]]:

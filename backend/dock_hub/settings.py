@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from pydantic import Field
 
-from dock_gateway.extension_list import ours_with_settings
+from dock_gateway.extension_list import ours_with_settings, with_extensions
 from dock_gateway.setting_types import Brokers
 from dock_gateway.settings import Settings, data_file
 from dock_gateway.sites.settings import BrokerSettings
@@ -41,4 +41,4 @@ class HubSettings(BrokerSettings, Settings):
 @cache
 def hub_settings_type() -> type[HubSettings]:
     """Return the settings of a hub with those of its extensions."""
-    return type("HubSettings", (*ours_with_settings(sorted(EXTENSIONS)), HubSettings), {"__doc__": HubSettings.__doc__})
+    return with_extensions("HubSettings", HubSettings, ours_with_settings(sorted(EXTENSIONS)))

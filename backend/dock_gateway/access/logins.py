@@ -153,9 +153,8 @@ class Logins:
     def is_valid(self, principal: Principal) -> bool:
         """Return whether someone is still logged in, and may do what they could when they were identified."""
         principal = principal.login or principal
-        if (
-            principal.credential is None or principal.kind is PrincipalKind.FORWARDED
-        ):  # whose login ends ends its streams
+        # What another program forwards: it ends the streams of those whose login has ended there.
+        if principal.credential is None or principal.kind is PrincipalKind.FORWARDED:
             return True
         match principal.kind:
             case PrincipalKind.PERSON | PrincipalKind.SERVICE:

@@ -139,11 +139,9 @@ class SharedBook(SharedEntries[EntryT]):
 
     def etag(self, entry: EntryT | None) -> str | None:
         """Return the entity tag of an entry; None if there is no entry."""
-        return (
-            None
-            if entry is None
-            else entity_tag({name: value for name, value in vars(entry).items() if name not in self._by_themselves})
-        )
+        if entry is None:
+            return None
+        return entity_tag({name: value for name, value in vars(entry).items() if name not in self._by_themselves})
 
     async def replace(
         self,

@@ -7,7 +7,7 @@ from starlette.responses import Response
 
 from dock_gateway.audit.trail import audited
 from dock_gateway.core.fanout import Fanout
-from dock_gateway.core.namespace import normalize_namespace, read_namespace
+from dock_gateway.core.namespace import read_namespace
 from dock_gateway.fleet.schema import AcknowledgementBody, Alert, AlertList, Label, LabelBody, RobotList
 from dock_gateway.http.bodies import Body, SignedBody
 from dock_gateway.http.operation import carries_out
@@ -18,7 +18,7 @@ from dock_gateway.http.resource import ChangeCondition, Item, item_response, rem
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.operations import fleet
 from dock_gateway.robots.labels import RobotLabel
-from dock_gateway.settings import Settings
+from dock_gateway.robots.robots import Robots
 
 router = APIRouter(route_class=ApiRoute)
 
@@ -40,7 +40,7 @@ async def label_robot(
 
     `null` without groups removes the label. A label outlives restarts, and may be set before the robot appears.
     """
-    namespace = normalize_namespace(parts[Settings].namespace) if robot is None else read_namespace(robot)
+    namespace = parts[Robots].default_namespace if robot is None else read_namespace(robot)
     audited(request, robot=namespace)
     await fleet.label_robot(parts, principal, namespace, RobotLabel(label.display_name, label.groups))
     return json_response({"robot": namespace, **label.model_dump()})
