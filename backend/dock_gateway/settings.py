@@ -24,8 +24,8 @@ from dock_gateway.setting_types import LOOPBACK_HOSTS, ListensOn
 OTHERS = {"URL", "TOKEN", "CLIENT_CERT", "CONFIG"}
 # It says which settings there are.
 ONLY_A_VARIABLE = "extensions"
+# The settings that no option has.
 WITHOUT_OPTION = (ONLY_A_VARIABLE, "robots")
-"""The settings that no option has."""
 # What Kubernetes sets in each container for a service that is called dock-gateway.
 OF_LINKS = re.compile("SERVICE_|PORT_[0-9]")
 

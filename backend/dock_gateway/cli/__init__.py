@@ -11,6 +11,7 @@ import click
 from dock_gateway import __version__
 from dock_gateway.cli.shared_options import json_option, url_option
 
+# The commands in the order of the help, by heading, and the modules that they are in.
 SECTIONS: dict[str, dict[str, str]] = {
     "Run a gateway": {"up": "up", "serve": "serve", "doctor": "doctor", "config": "config", "service": "service"},
     "Stop robots": {"stop": "stop", "release": "stop"},
@@ -33,10 +34,9 @@ SECTIONS: dict[str, dict[str, str]] = {
     "Users and tokens, in the database of a gateway": {"user": "user", "token": "token"},
     "Documents and recordings": {"schema": "schema", "replay": "replay"},
 }
-"""The commands in the order of the help, by heading, and the modules that they are in."""
 COMMANDS = {name: module for section in SECTIONS.values() for name, module in section.items()}
+# The heading of commands of extensions and other programs.
 FURTHER = "Further"
-"""The heading of commands of extensions and other programs."""
 
 # The entry points of the commands of other programs.
 GROUP = "dock_gateway.commands"

@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from dock_gateway.cli.shared_options import json_option, url_option
-from dock_gateway.cli.tokens import stored_token
+from dock_gateway.cli.stored_tokens import stored_token
 from dock_gateway.client import Client, ClientError, GatewayUnreachable
 from dock_gateway.core.log_config import printable
 

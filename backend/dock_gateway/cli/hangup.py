@@ -13,10 +13,10 @@ from dock_gateway.settings import Settings
 
 log = logging.getLogger(__name__)
 
+# The settings that are read again.
 AGAIN = ("log_level", "allow_publish", "allow_services", "allow_parameters")
-"""The settings that are read again."""
+# Seconds that a terminal may take to close after its signal.
 CLOSED_WITHIN = 1.0
-"""Seconds that a terminal may take to close after its signal."""
 
 Reread = Callable[[], Settings]
 OnReread = Callable[[Settings], object]

@@ -6,7 +6,7 @@ import click
 
 from dock_gateway.cli.asking import wanted
 from dock_gateway.cli.shared_options import url_option
-from dock_gateway.cli.tokens import address_of, store_token, token_file
+from dock_gateway.cli.stored_tokens import address_of, store_token, token_file
 from dock_gateway.client import Client, ClientError
 from dock_gateway.core.log_config import printable
 

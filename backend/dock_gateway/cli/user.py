@@ -8,7 +8,7 @@ import sys
 
 import click
 
-from dock_gateway.cli.logins import database_option, describe_limits, grant_options, make_grant, with_logins
+from dock_gateway.cli.accounts import database_option, describe_limits, grant_options, make_grant, with_logins
 
 
 def read_name(_: click.Context, __: click.Parameter, name: str) -> str:

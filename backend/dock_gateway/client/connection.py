@@ -21,15 +21,15 @@ from dock_gateway.client.errors import ClientError, ClientTimeout, GatewayRefuse
 T = TypeVar("T")
 URL = "http://127.0.0.1:8000"
 FIRST_DELAY, LONGEST_DELAY = 0.1, 2.0
+# Statuses of a gateway that starts, ends or has too many clients: a stream tries again.
 BUSY = (429, 502, 503, 504)
-"""Statuses of a gateway that starts, ends or has too many clients: a stream tries again."""
 LOGIN_ENDED = 4401
+# Seconds in which a stream has to open.
 OPEN_WITHIN = 10.0
-"""Seconds in which a stream has to open."""
+# Seconds before a deadline that are not worth another attempt.
 CLOSE = 0.01
-"""Seconds before a deadline that are not worth another attempt."""
+# Events that a stream recognizes if they come again.
 REMEMBERED = 1000
-"""Events that a stream recognizes if they come again."""
 
 
 def tls_context(url: str, certificate: str | None = None) -> ssl.SSLContext | None:

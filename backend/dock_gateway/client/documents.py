@@ -11,8 +11,8 @@ STATUSES = {str(status): status for status in GoalStatus}
 
 # What the goals of a stream lack.
 NOT_LOOKED_UP = dict.fromkeys(("tags", "notes", "recording"))
+# A JSON object, as in the OpenAPI document of the gateway.
 Document = dict[str, Any]
-"""A JSON object, as in the OpenAPI document of the gateway."""
 
 
 class _Read:

@@ -12,8 +12,8 @@ from dock_gateway.core.scene import FARTHEST
 from robot_io.laser import Points, flatten, points_of
 from robot_io.transform import Transform
 
+# Points (x, y) in metres.
 Line = list[list[float]]
-"""Points (x, y) in metres."""
 
 # The most points of a scan and of a path on a map.
 MAX_POINTS = 360

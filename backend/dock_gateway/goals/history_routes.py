@@ -1,4 +1,4 @@
-"""`/goals`: the goals of every action, whoever sent them."""
+"""`/goals`: the goals of every action, sent by any client."""
 
 from typing import Annotated, Any, Literal
 

@@ -312,7 +312,7 @@ WITH_POSITION: dict[int | str, dict[str, Any]] = {
 
 
 def list_response(document: object, position: str) -> Answer[Any]:
-    """Return the response of a list. Whoever streams from the position misses no change of it."""
+    """Return the response of a list. A stream from the position misses no change of it."""
     return json_response(document, headers={"Event-Id": position})
 
 

@@ -13,8 +13,8 @@ from pydantic_settings import (
 )
 
 PREFIX = "DOCK_GATEWAY_"
+# The variable that names the configuration file.
 CONFIG = f"{PREFIX}CONFIG"
-"""The variable that names the configuration file."""
 
 
 def config_file() -> Path | None:

@@ -1,4 +1,4 @@
-"""Stops robots, cancels their goals, whoever sent them, and sends none until the stop is released."""
+"""Stops robots, cancels the goals of any client, and sends none until the stop is released."""
 
 import asyncio
 import logging

@@ -922,7 +922,7 @@ export interface paths {
         put?: never;
         /**
          * Cancel Goal
-         * @description Ask the action server to cancel a goal, whoever sent it.
+         * @description Ask the action server to cancel a goal of any client.
          */
         post: operations["cancel_goal"];
         delete?: never;

@@ -196,5 +196,5 @@ canceling = APIRouter(route_class=ApiRoute, tags=["Goals"])
 @at_goal(canceling, "POST", "/cancel", name="cancel_goal", status_code=202)
 @carries_out(cancel_goal)
 async def cancel(goal_id: GoalId, parts: AllParts, principal: ThePrincipal) -> Answer[Goal]:
-    """Ask the action server to cancel a goal, whoever sent it."""
+    """Ask the action server to cancel a goal of any client."""
     return answer_goal(parts, await cancel_goal(parts, principal, CancelGoal(goal_id)), 202)

@@ -176,7 +176,7 @@ TOOLS = {
         Tool(
             "cancel_goal",
             "Cancel a goal",
-            "Ask the action server to end a goal early, whoever sent it. The robot then stands still. In an emergency "
+            "Ask the action server to end a goal of any client early. The robot then stands still. In an emergency "
             "use stop_robots.",
             commands.cancel_goal,
             schema.OfGoal,

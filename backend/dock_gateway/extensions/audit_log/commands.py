@@ -5,8 +5,8 @@ import sys
 
 import click
 
+from dock_gateway.cli.accounts import database_option
 from dock_gateway.cli.databases import Choice
-from dock_gateway.cli.logins import database_option
 from dock_gateway.cli.options import read_settings
 from dock_gateway.core.audit import START, Verdict
 

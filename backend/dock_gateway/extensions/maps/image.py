@@ -13,10 +13,10 @@ OCCUPIED, UNKNOWN = 100, 101
 _FAST = 1
 _DEPTH, _PALETTE = 8, 3
 
+# Red, green, blue and opacity, from 0 to 255.
 Color = tuple[int, int, int, int]
-"""Red, green, blue and opacity, from 0 to 255."""
+# Of what is free, occupied and unknown.
 COLORS: tuple[Color, Color, Color] = (254, 254, 254, 255), (0, 0, 0, 255), (205, 205, 205, 0)
-"""Of what is free, occupied and unknown."""
 
 
 def encode(cells: Cells) -> bytes:

@@ -77,8 +77,8 @@ class Tally:
         return [float(each) / 1000 for each in np.percentile(np.concatenate(self.durations), percents)]
 
 
+# A tally for each action name, or one for all with an empty name.
 Tallies = dict[str, Tally]
-"""A tally for each action name, or one for all with an empty name."""
 
 
 def merged(tallies: Iterable[Tally]) -> Tally:
