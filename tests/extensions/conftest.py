@@ -10,4 +10,5 @@ from tests.dock_gateway.conftest import (  # noqa: F401 - fixtures
     sqlite_url,
     stopped_clock,
 )
+from tests.dock_gateway.ros.conftest import bridge  # noqa: F401 - a fixture
 from tests.system.conftest import gateway, root, shared_domain, site  # noqa: F401 - fixtures

@@ -94,11 +94,7 @@ export function UserForm({ user, example, users, save, onShow, onDone }: UserFor
           onCancel={onDone}
           verb={user === null ? "Add" : "Save"}
           command={user === null ? "Adding the user" : "Saving"}
-          trouble={
-            isConflict(save.error) && (
-              <Conflict error={save.error} newest={newest} onShow={onShow} onReplace={store} />
-            )
-          }
+          trouble={isConflict(save.error) && <Conflict newest={newest} onShow={onShow} onReplace={store} />}
         />
       </Stack>
     </form>

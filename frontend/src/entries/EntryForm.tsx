@@ -113,12 +113,7 @@ export function EntryForm<
           onCancel={onCancel}
           trouble={
             isConflict(save.error) && (
-              <Conflict
-                error={save.error}
-                newest={entries.find(({ id }) => id === entry?.id)}
-                onShow={show}
-                onReplace={store}
-              />
+              <Conflict newest={entries.find(({ id }) => id === entry?.id)} onShow={show} onReplace={store} />
             )
           }
         />

@@ -2,7 +2,6 @@ import type { ClientError } from "@dock-gateway/client";
 import { Alert, Button, Group, Text } from "@mantine/core";
 
 interface ConflictProps<Entry> {
-  error: ClientError | null;
   /** The entry as it is now; undefined where it was removed. */
   newest: Entry | undefined;
   /** Shows it in the form, in place of what was typed. */
@@ -11,15 +10,14 @@ interface ConflictProps<Entry> {
   onReplace: (newest: Entry | null) => void;
 }
 
-/** Whether somebody else has changed what a form changes. */
+/** Whether someone else has changed what a form changes. */
 export function isConflict(error: ClientError | null): boolean {
   return error?.code === "changed_meanwhile";
 }
 
-/** Says that somebody else has changed meanwhile what a form changes, and how to go on; nothing for other errors. */
+/** Says that someone else has changed what a form changes, and how to go on: for an error that `isConflict`. */
 export function Conflict<Entry extends object>(props: ConflictProps<Entry>) {
-  const { error, newest, onShow, onReplace } = props;
-  if (!isConflict(error)) return null;
+  const { newest, onShow, onReplace } = props;
   const by = newest !== undefined && "changed_by" in newest ? newest.changed_by : null;
   return (
     <Alert

@@ -27,15 +27,6 @@ def worker(domain: int, speed: float) -> ForkedProcess:
 
 
 @pytest.fixture
-async def bridge(domain: int, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Bridge]:
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
-    bridge = Bridge("tested", "", 1_000_000)
-    bridge.start()
-    yield bridge
-    await asyncio.to_thread(bridge.close)
-
-
-@pytest.fixture
 async def parameters(bridge: Bridge) -> AsyncIterator[ServerParameters]:
     graph, work = GraphCache(bridge), Work()
     relays = Relays(bridge, graph, work)
