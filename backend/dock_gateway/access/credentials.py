@@ -58,9 +58,18 @@ class Credentials(ABC, Generic[CredentialT]):
         entry = self.book.get(key)
         return None if entry is None or not hmac.compare_digest(entry.digest, digest) else (key, entry)
 
-    @abstractmethod
     def principal(self, key: str) -> Principal | None:
-        """Return who shows an entry, if it is valid."""
+        """Return who shows an entry, with what they may do now, if it is valid."""
+        entry = self.book.get(key)
+        return None if entry is None or not self._valid(entry) else self._principal(key, entry)
+
+    @abstractmethod
+    def _valid(self, entry: CredentialT) -> bool:
+        """Return whether an entry has not ended."""
+
+    @abstractmethod
+    def _principal(self, key: str, entry: CredentialT) -> Principal:
+        """Return who shows a valid entry."""
 
     def identify(self, secret: str) -> Principal:
         """Return who shows this secret.

@@ -1,6 +1,5 @@
 """Sessions: logins in a browser. Gateways share them through the history."""
 
-from abc import abstractmethod
 from collections import Counter
 from contextlib import suppress
 from datetime import datetime, timedelta
@@ -51,10 +50,6 @@ class BrowserSessions(Credentials[SessionT]):
 
     refusal = "the login has ended; log in again"
 
-    @abstractmethod
-    def _valid(self, session: SessionT) -> bool:
-        """Return whether a session has not ended."""
-
     def _over(self, session: SessionT) -> bool:
         """Return whether a session has ended for every gateway."""
         return not self._valid(session)
@@ -101,16 +96,12 @@ class Sessions(BrowserSessions[Session]):
         super().__init__(book)
         self._users = users
 
-    def principal(self, key: str) -> Principal | None:
-        """Return who shows a session, with what they may do now, if it is valid."""
-        session = self.book.get(key)
-        if session is None or not self._valid(session):
-            return None
-        user = self._users.all()[session.user]
-        return Principal(session.user, PrincipalKind.USER, user.grant, key)
+    def _valid(self, entry: Session) -> bool:
+        return entry.valid(self._users.get(entry.user), utc_now())
 
-    def _valid(self, session: Session) -> bool:
-        return session.valid(self._users.get(session.user), utc_now())
+    def _principal(self, key: str, entry: Session) -> Principal:
+        user = self._users.all()[entry.user]
+        return Principal(entry.user, PrincipalKind.USER, user.grant, key)
 
     async def create(self, name: str, era: str) -> str:
         """Create a session of a user and return its secret. The oldest one ends if there are too many.

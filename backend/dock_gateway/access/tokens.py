@@ -63,12 +63,11 @@ class Tokens(Credentials[Token]):
                 self._where,
             )
 
-    def principal(self, key: str) -> Principal | None:
-        """Return who shows a token, if it is valid."""
-        token = self.book.get(key)
-        if token is None or not token.valid(utc_now()):
-            return None
-        return Principal(token.name, PrincipalKind.TOKEN, token.grant, key)
+    def _valid(self, entry: Token) -> bool:
+        return entry.valid(utc_now())
+
+    def _principal(self, key: str, entry: Token) -> Principal:
+        return Principal(entry.name, PrincipalKind.TOKEN, entry.grant, key)
 
     def name_of(self, token_id: str) -> str | None:
         """Return the name of a token, if there is one with this id."""

@@ -74,15 +74,11 @@ class PersonSessions(BrowserSessions[PersonSession]):
         super().__init__(book)
         self._issuer = issuer
 
-    def principal(self, key: str) -> Principal | None:
-        """Return who shows a session, if it is valid."""
-        session = self.book.get(key)
-        if session is None or not self._valid(session):
-            return None
-        return Principal(session.user, PrincipalKind.PERSON, session.grant, key)
+    def _valid(self, entry: PersonSession) -> bool:
+        return entry.valid(self._issuer, utc_now())
 
-    def _valid(self, session: PersonSession) -> bool:
-        return session.valid(self._issuer, utc_now())
+    def _principal(self, key: str, entry: PersonSession) -> Principal:
+        return Principal(entry.user, PrincipalKind.PERSON, entry.grant, key)
 
     def _over(self, session: PersonSession) -> bool:
         return not session.valid(session.issuer, utc_now())  # another gateway may have another provider
