@@ -13,9 +13,9 @@ from typing import Any
 
 import sqlalchemy as sa
 
+from dock_gateway.core.cursor import Cursor
 from dock_gateway.core.event import Event, event_id
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.core.position import Position
 from dock_gateway.storage import GoalFilter, History
 from dock_gateway.storage.retention import Limits
 from dock_gateway.storage.spool import Spool
@@ -109,7 +109,7 @@ async def written(history: History, timeout: float = PATIENCE) -> None:
     await until(lambda: not history.stats().waiting and not history.stats().spooled, timeout)
 
 
-async def page_of(history: History, *, limit: int = 100, before: Position | None = None, **wanted: Any) -> list[Goal]:
+async def page_of(history: History, *, limit: int = 100, before: Cursor | None = None, **wanted: Any) -> list[Goal]:
     """A page of the goals that are `GoalFilter` so."""
     for name in ("action_names", "statuses"):
         wanted[name] = frozenset(wanted.get(name, ()))

@@ -3,15 +3,15 @@
 from contextlib import suppress
 from typing import Protocol
 
+from dock_gateway.core.cursor import Cursor
 from dock_gateway.core.dock_adapters.catalog import ADAPTERS
 from dock_gateway.core.errors import NotFound, Unavailable
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.grant import UNLIMITED, Grant
-from dock_gateway.core.position import Position
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.storage import GoalFilter, History
-from dock_gateway.storage.queries import position
+from dock_gateway.storage.queries import cursor_of
 
 # Maximum number of goals of each kind that a new subscriber gets from the history.
 RECENT = 20
@@ -55,8 +55,8 @@ class Goals:
         return goal
 
     async def page(
-        self, wanted: GoalFilter, limit: int = 50, before: Position | None = None
-    ) -> tuple[list[Goal], Position | None]:
+        self, wanted: GoalFilter, limit: int = 50, before: Cursor | None = None
+    ) -> tuple[list[Goal], Cursor | None]:
         """Return a page of goals, newest first, and where it ends if there are more.
 
         Args:
@@ -66,7 +66,7 @@ class Goals:
         """
         goals = await self._history.page(wanted, limit=limit + 1, before=before)
         current = [self._live.goal(goal.goal_id) or goal for goal in goals[:limit]]
-        return current, position(goals[limit - 1]) if len(goals) > limit else None
+        return current, cursor_of(goals[limit - 1]) if len(goals) > limit else None
 
     async def recent(self, event_filter: EventFilter) -> list[Goal]:
         """Return a new subscriber's initial goals: the running and the latest ended ones, newest first."""

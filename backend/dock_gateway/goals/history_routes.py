@@ -46,7 +46,7 @@ async def answer_page(parts: Parts, grant: Grant, wanted: GoalFilter, limit: int
     """Answer with a page of goals, newest first."""
     position = parts[Fanout].position  # before the list
     page, end = await parts[Goals].page(wanted, limit, end_of_page(cursor))
-    document = {"goals": await parts[GoalDocuments].full(page, grant), "next_cursor": end and end.cursor()}
+    document = {"goals": await parts[GoalDocuments].full(page, grant), "next_cursor": end and end.encode()}
     return list_response(document, position)
 
 

@@ -13,11 +13,11 @@ from starlette.convertors import PathConvertor, register_url_convertor
 from starlette.requests import ClientDisconnect, HTTPConnection
 from starlette.responses import Response
 
+from dock_gateway.core.cursor import Cursor, read_cursor
 from dock_gateway.core.errors import FieldError, InvalidField, MalformedRequest, Place, got
 from dock_gateway.core.goal import GoalStatus, encode
 from dock_gateway.core.json_text import decode_json
 from dock_gateway.core.namespace import NAMESPACE
-from dock_gateway.core.position import Position, read_cursor
 from dock_gateway.http.parts import parts_of
 from dock_gateway.setting_types import ROS_TOKEN
 from dock_gateway.settings import Settings
@@ -275,7 +275,7 @@ LimitQuery = Annotated[int, Query(ge=1, le=500)]
 CursorQuery = Annotated[str | None, Query(max_length=200, description="`next_cursor` of the previous page")]
 
 
-def end_of_page(cursor: str | None) -> Position | None:
+def end_of_page(cursor: str | None) -> Cursor | None:
     """Return where the page before ended; None if this is the first.
 
     Raises:

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+from dock_gateway.core.cursor import Cursor
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import NEVER, Event, time_id
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal
-from dock_gateway.core.position import Position
 from dock_gateway.core.tasks import cancel
 from dock_gateway.storage import queries
 from dock_gateway.storage.audit import AuditStore
@@ -237,8 +237,8 @@ class History:
 
     # ------------------------------------------------------------------ read
 
-    async def page(self, wanted: GoalFilter, *, limit: int, before: Position | None = None) -> list[Goal]:
-        """Return goals, newest first; with `before`, only goals behind that position."""
+    async def page(self, wanted: GoalFilter, *, limit: int, before: Cursor | None = None) -> list[Goal]:
+        """Return goals, newest first; with `before`, only goals behind that cursor."""
         self.reader.require_everything()
         read = partial(queries.page_with_waiting, limit=limit, before=before)
         return await self.reader.read(read, wanted, dict(self.waiting.goals))
@@ -300,7 +300,7 @@ class History:
             if complete:
                 raise
         goals = {**stored, **merge_all(stored, waiting)}.values()
-        return sorted((goal for goal in goals if not goal.status.final), key=queries.position)
+        return sorted((goal for goal in goals if not goal.status.final), key=queries.cursor_of)
 
     async def events_after(
         self, event_id: str, *, goal_id: str | None, action_name: str | None, topics: frozenset[str], limit: int

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import sqlalchemy as sa
 
+from dock_gateway.core.cursor import Cursor
 from dock_gateway.core.event import FEEDBACK, KIND_AT, Event
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.core.position import Position
 from dock_gateway.storage.merge import merge, merge_all
 from dock_gateway.storage.rows import Batch, Key, event_of, event_row, goal_of, goal_row, key_row
 from dock_gateway.storage.tables import REACHED, events, goal_tags, goals, horizons, idempotency_keys
@@ -135,7 +135,7 @@ def page(
     wanted: GoalFilter,
     *,
     limit: int,
-    before: Position | None,
+    before: Cursor | None,
     without: Sequence[str],
 ) -> list[Goal]:
     """Return goals, newest first; `before` is an exclusive bound of time and id."""
@@ -190,7 +190,7 @@ def tagged(tags: Collection[str]) -> "sa.Select[tuple[str]]":
 
 
 def page_with_waiting(
-    connection: sa.Connection, wanted: GoalFilter, waiting: dict[str, Goal], *, limit: int, before: Position | None
+    connection: sa.Connection, wanted: GoalFilter, waiting: dict[str, Goal], *, limit: int, before: Cursor | None
 ) -> list[Goal]:
     """Return a page of stored and pending goals, newest first."""
     stored = goals_by_id(connection, list(waiting))
@@ -203,9 +203,9 @@ def page_with_waiting(
     found += [
         known[goal_id]
         for goal_id in candidates
-        if wanted.matches(known[goal_id]) and (before is None or position(known[goal_id]) < before)
+        if wanted.matches(known[goal_id]) and (before is None or cursor_of(known[goal_id]) < before)
     ]
-    return sorted(found, key=position, reverse=True)[:limit]
+    return sorted(found, key=cursor_of, reverse=True)[:limit]
 
 
 def unfinished_or(connection: sa.Connection, goal_ids: Collection[str]) -> dict[str, Goal]:
@@ -213,9 +213,9 @@ def unfinished_or(connection: sa.Connection, goal_ids: Collection[str]) -> dict[
     return {goal.goal_id: goal for goal in unfinished(connection)} | goals_by_id(connection, goal_ids)
 
 
-def position(goal: Goal) -> Position:
+def cursor_of(goal: Goal) -> Cursor:
     """Return the place of a goal in lists."""
-    return Position(goal.created_at, goal.goal_id)
+    return Cursor(goal.created_at, goal.goal_id)
 
 
 # Reads an index once for each name: DISTINCT would read it all.

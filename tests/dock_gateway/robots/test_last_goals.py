@@ -6,9 +6,9 @@ from datetime import UTC, datetime, timedelta
 
 import pytest
 
+from dock_gateway.core.cursor import Cursor
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.core.position import Position
 from dock_gateway.robots.last_goals import READ, LastGoals, latest
 from dock_gateway.storage import GoalFilter
 from tests.support.history import HistoryInMemory
@@ -29,7 +29,7 @@ class AwayHistory(HistoryInMemory):
 
     away = True
 
-    async def page(self, wanted: GoalFilter, *, limit: int, before: Position | None = None) -> list[Goal]:
+    async def page(self, wanted: GoalFilter, *, limit: int, before: Cursor | None = None) -> list[Goal]:
         if self.away:
             raise Unavailable("away", code="history_unavailable")
         return await super().page(wanted, limit=limit, before=before)

@@ -8,7 +8,7 @@ import pytest
 
 from dock_gateway.core.goal import GoalError, GoalStatus
 from dock_gateway.storage import GoalFilter, History
-from dock_gateway.storage.queries import position
+from dock_gateway.storage.queries import cursor_of
 from tests.support.history import NOW, make_goal, open_at, page_of, written
 
 GOALS = [
@@ -89,8 +89,8 @@ async def test_goals_are_picked(history: History) -> None:
 async def test_pages_of_goals_that_are_picked(history: History) -> None:
     """The goal that a page begins after need not be one of those that are asked for."""
     assert await numbers(history, namespace="/robot1", limit=2) == [6, 3]
-    assert await numbers(history, namespace="/robot1", limit=2, before=position(make_goal(3))) == [2]
-    assert await numbers(history, namespace="/robot1", limit=2, before=position(make_goal(5))) == [3, 2]
+    assert await numbers(history, namespace="/robot1", limit=2, before=cursor_of(make_goal(3))) == [2]
+    assert await numbers(history, namespace="/robot1", limit=2, before=cursor_of(make_goal(5))) == [3, 2]
 
 
 async def test_the_names_of_actions_with_goals(history: History) -> None:

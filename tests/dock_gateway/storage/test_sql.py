@@ -11,7 +11,7 @@ import sqlalchemy as sa
 from dock_gateway.core.event import STATUS, Event, event_id, feedback_event, result_event, status_event
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.storage import History, queries, sqlite
-from dock_gateway.storage.queries import position
+from dock_gateway.storage.queries import cursor_of
 from dock_gateway.storage.rows import Batch
 from dock_gateway.storage.tables import events, goals, idempotency_keys
 from tests.support.history import EVERYTHING, NOW, START_NS, make_event, make_goal, open_at, page_of, written
@@ -85,7 +85,7 @@ async def test_what_waits_is_read_as_if_it_were_written(database_url: str, tmp_p
         assert history.stats().waiting == 2
         assert await ids(history, statuses={GoalStatus.EXECUTING}) == ["goal-0002", "goal-0001"]
         assert await ids(history, statuses={GoalStatus.PENDING}) == []
-        assert await ids(history, before=position(make_goal(2))) == ["goal-0001"]
+        assert await ids(history, before=cursor_of(make_goal(2))) == ["goal-0001"]
         assert [each.goal_id for each in await history.unfinished()] == ["goal-0001", "goal-0002"]
         found = await history.get("goal-0001")
         assert found is not None
@@ -106,7 +106,7 @@ async def test_pages_are_stable(database_url: str, tmp_path: Path) -> None:
         history.record(make_goal(3000, action="/other"))
         seen: list[Goal] = []
         for number in range(100):
-            before = position(seen[-1]) if seen else None
+            before = cursor_of(seen[-1]) if seen else None
             page = await page_of(history, action_names={"/dock"}, limit=3, before=before)
             if not page:
                 break
@@ -119,9 +119,9 @@ async def test_a_page_goes_on_behind_a_goal_that_was_deleted(database_url: str, 
     async with open_at(database_url, tmp_path) as history:
         history.record(make_goal(1))
         history.record(make_goal(3))
-        assert await ids(history, before=position(make_goal(2))) == ["goal-0001"]
+        assert await ids(history, before=cursor_of(make_goal(2))) == ["goal-0001"]
         await written(history)
-        assert await ids(history, before=position(make_goal(2))) == ["goal-0001"]
+        assert await ids(history, before=cursor_of(make_goal(2))) == ["goal-0001"]
 
 
 async def test_the_first_claim_holds_for_a_day(database_url: str, tmp_path: Path) -> None:

@@ -6,15 +6,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.core.position import Position, read_cursor
+from dock_gateway.core.cursor import Cursor, read_cursor
 
 TIMES = st.datetimes(datetime(1970, 1, 1), datetime(2900, 1, 1), timezones=st.just(UTC))  # noqa: DTZ001
 
 
 @given(TIMES, st.uuids())
 def test_a_cursor_is_read_as_it_was_written(time: datetime, identity: object) -> None:
-    position = Position(time, str(identity))
-    assert read_cursor(position.cursor()) == position
+    cursor = Cursor(time, str(identity))
+    assert read_cursor(cursor.encode()) == cursor
 
 
 @pytest.mark.parametrize("text", ["", "zzz", "3f0c7b2e-0000-4000-8000-000000000000", "é"])

@@ -1,4 +1,4 @@
-"""The place of an entry in a list that is newest first. As a text, which clients send back, it is a cursor."""
+"""A cursor: the place of an entry in a list that is newest first, which clients send back as text."""
 
 import re
 from base64 import b64decode, urlsafe_b64encode
@@ -10,7 +10,7 @@ _MICROSECOND = timedelta(microseconds=1)
 _FORM = re.compile(r"([0-9]{1,17}) ([\x21-\x7e]{1,100})")
 
 
-class Position(NamedTuple):
+class Cursor(NamedTuple):
     """A time and an id, by which a list is sorted. It does not need the entry, which may have been deleted.
 
     Attributes:
@@ -21,14 +21,14 @@ class Position(NamedTuple):
     time: datetime
     id: str
 
-    def cursor(self) -> str:
-        """Return it as a cursor, which `read_cursor` reads."""
+    def encode(self) -> str:
+        """Return it as text, which `read_cursor` reads."""
         text = f"{(self.time - _EPOCH) // _MICROSECOND} {self.id}"
         return urlsafe_b64encode(text.encode()).decode().rstrip("=")
 
 
-def read_cursor(text: str) -> Position:
-    """Return the position that a cursor is of.
+def read_cursor(text: str) -> Cursor:
+    """Return the cursor that a text is.
 
     Raises:
         ValueError: It is none; the message says what is expected.
@@ -36,7 +36,7 @@ def read_cursor(text: str) -> Position:
     try:
         found = _FORM.fullmatch(b64decode(text + "=" * (-len(text) % 4), altchars=b"-_", validate=True).decode())
         if found is not None:
-            return Position(_EPOCH + int(found[1]) * _MICROSECOND, found[2])
+            return Cursor(_EPOCH + int(found[1]) * _MICROSECOND, found[2])
     except (ValueError, OverflowError):
         pass
     raise ValueError("`next_cursor` of an earlier answer")
