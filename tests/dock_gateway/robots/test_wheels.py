@@ -7,6 +7,7 @@ import pytest
 
 from dock_gateway.robots.wheels import VelocityCommand, Wheels
 from robot_io.halt import REPEATS
+from tests.support.waiting import until
 
 PERIOD = 0.001
 LONG = 0.2
@@ -24,43 +25,46 @@ class Port:
         self.zeros += 1
 
 
+async def publishes(port: Port, zeros: int) -> None:
+    """Require that so many zeros are published, and no more."""
+    await until(lambda: port.zeros >= zeros)
+    await asyncio.sleep(LONG)
+    assert port.zeros == zeros
+
+
 async def test_each_zero_is_repeated() -> None:
     wheels = Wheels(port := Port(), period=PERIOD)
     wheels.publish_zero()
     assert port.zeros == 1
-    await asyncio.sleep(LONG)
-    assert port.zeros == 1 + REPEATS
+    await publishes(port, 1 + REPEATS)
 
 
 async def test_a_base_that_dds_finds_late_gets_zero_too() -> None:
     wheels = Wheels(port := Port(), period=PERIOD)
     port.subscribers = 0
     wheels.publish_zero()
-    await asyncio.sleep(LONG)
+    await publishes(port, 1 + REPEATS)
     before = port.zeros
     port.subscribers = 1
-    await asyncio.sleep(LONG)
-    assert port.zeros == before + 1 + REPEATS
+    await publishes(port, before + 1 + REPEATS)
 
 
 async def test_a_base_that_another_one_drives_by_then_gets_none() -> None:
     wheels = Wheels(port := Port(), period=PERIOD)
     port.subscribers = 0
     wheels.publish_zero()
-    await asyncio.sleep(LONG)
+    await publishes(port, 1 + REPEATS)
     before = port.zeros
     wheels.hear(True, b"another", time.monotonic())
     port.subscribers = 1
-    await asyncio.sleep(LONG)
-    assert port.zeros == before
+    await publishes(port, before)
 
 
 async def test_zeros_that_overlap_are_repeated_once() -> None:
     wheels = Wheels(port := Port(), period=PERIOD)
     for _ in range(5):
         wheels.publish_zero()
-    await asyncio.sleep(LONG)
-    assert port.zeros == 5 + REPEATS
+    await publishes(port, 5 + REPEATS)
 
 
 async def test_one_that_fails_is_repeated_all_the_same() -> None:
@@ -68,8 +72,7 @@ async def test_one_that_fails_is_repeated_all_the_same() -> None:
     port.failures = 3
     with pytest.raises(RuntimeError):
         wheels.publish_zero()
-    await asyncio.sleep(LONG)
-    assert port.zeros == REPEATS - 2
+    await publishes(port, REPEATS - 2)
 
 
 async def test_the_wheels_are_left_to_who_drives_next() -> None:
@@ -77,19 +80,16 @@ async def test_the_wheels_are_left_to_who_drives_next() -> None:
         wheels = Wheels(port := Port(), period=PERIOD)
         wheels.publish_zero()
         leave(wheels)
-        await asyncio.sleep(LONG)
-        assert port.zeros == 1
+        await publishes(port, 1)
         wheels.publish_zero()
-        await asyncio.sleep(LONG)
-        assert port.zeros == 2 + REPEATS
+        await publishes(port, 2 + REPEATS)
 
 
 async def test_a_zero_of_others_changes_nothing() -> None:
     wheels = Wheels(port := Port(), period=PERIOD)
     wheels.publish_zero()
     wheels.hear(False, b"another", time.monotonic())
-    await asyncio.sleep(LONG)
-    assert port.zeros == 1 + REPEATS
+    await publishes(port, 1 + REPEATS)
 
 
 async def test_a_motion_that_came_before_a_zero_and_is_heard_after_it_changes_nothing() -> None:
@@ -97,8 +97,7 @@ async def test_a_motion_that_came_before_a_zero_and_is_heard_after_it_changes_no
     before = time.monotonic()
     wheels.publish_zero()
     wheels.hear(True, b"another", before)
-    await asyncio.sleep(LONG)
-    assert port.zeros == 1 + REPEATS
+    await publishes(port, 1 + REPEATS)
 
 
 def test_commands_count_in_the_order_in_which_they_arrived() -> None:
