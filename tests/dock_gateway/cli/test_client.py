@@ -12,7 +12,7 @@ import orjson
 import pytest
 from click.testing import CliRunner
 
-from dock_gateway.cli import main, tokens
+from dock_gateway.cli import main, stored_tokens
 from dock_gateway.cli.events import show
 from dock_gateway.client import sync
 from dock_gateway.core.event import utc_now
@@ -61,7 +61,7 @@ def gateway(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Gateway:
     monkeypatch.setattr(sync, "connect", gateway.connect)
     for name in ("URL", "TOKEN"):
         monkeypatch.delenv(f"DOCK_GATEWAY_{name}", raising=False)
-    monkeypatch.setattr(tokens, "token_file", lambda: tmp_path / "config/tokens.json")
+    monkeypatch.setattr(stored_tokens, "token_file", lambda: tmp_path / "config/tokens.json")
     return gateway
 
 
@@ -252,10 +252,10 @@ def test_a_login_is_stored_for_its_gateway_and_only_for_the_user(
     assert "logged in at http://h:1 as ada (operator)" in result.output
     assert "dgw_secret" not in result.output
     assert file.stat().st_mode & 0o777 == 0o600
-    assert tokens.stored_token("http://h:1") == "dgw_secret"
-    assert tokens.stored_token("http://other") is None
+    assert stored_tokens.stored_token("http://h:1") == "dgw_secret"
+    assert stored_tokens.stored_token("http://other") is None
     assert "forgotten" in CliRunner().invoke(main, ["logout", "--url", "http://h:1"]).output
-    assert tokens.stored_token("http://h:1") is None
+    assert stored_tokens.stored_token("http://h:1") is None
 
 
 def test_a_stop_imports_little() -> None:
