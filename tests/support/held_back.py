@@ -58,8 +58,8 @@ class Site:
         return None
 
     async def open(self) -> "Site":
-        await self.logins.add_user("root", Grant(Role.ADMIN), PASSWORD)
-        await self.logins.add_user("ada", Grant(Role.ADMIN), PASSWORD)
+        await self.logins.accounts.add("root", Grant(Role.ADMIN), PASSWORD)
+        await self.logins.accounts.add("ada", Grant(Role.ADMIN), PASSWORD)
         _, self.secret = await self.logins.log_in("ada", PASSWORD, "192.0.2.1")
         return self
 

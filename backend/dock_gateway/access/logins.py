@@ -2,28 +2,26 @@
 
 import asyncio
 import logging
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from datetime import datetime
 from typing import Any
 
+from dock_gateway.access.accounts import Accounts
 from dock_gateway.access.login_delays import CHANGE, TOKENS
 from dock_gateway.access.login_guard import LoginGuard
 from dock_gateway.access.login_source import LoginSource
 from dock_gateway.access.passwords import Passwords
 from dock_gateway.access.sessions import MAX_SESSIONS, PREFIX, Sessions
 from dock_gateway.access.tokens import MAX_TOKENS, Tokens
-from dock_gateway.access.users import MAX_USERS, Check, Users, edit, is_admin, new_era, new_user, user_document
+from dock_gateway.access.users import MAX_USERS, Users, edit, refuse_reserved
 from dock_gateway.core.access import (
-    FORWARDER,
-    OF_FORWARDER,
     Principal,
     PrincipalKind,
     Session,
     Token,
     User,
-    is_reserved,
 )
 from dock_gateway.core.errors import (
     Conflict,
@@ -58,6 +56,7 @@ class Logins:
         sync_interval: Seconds between two reads of what other gateways have changed.
 
     Attributes:
+        accounts: Administers the users.
         sources: What else says who makes a request.
     """
 
@@ -78,6 +77,7 @@ class Logins:
         self._sessions = Sessions(sessions, self._users.book)
         self.sources = Hooks[LoginSource]()
         self._passwords = Passwords()
+        self.accounts = Accounts(self._users, self._sessions, self.tokens, self._passwords, self.end_streams)
         self.guard = LoginGuard(self._users.book.get)
         self._streams: dict[Principal, set[Callable[[], object]]] = {}
         self._tasks = Tasks("watching logins")
@@ -209,7 +209,7 @@ class Logins:
             if name.lower().startswith(prefix):
                 detail = f"names that begin with {prefix} are of people and services who log in elsewhere"
                 raise Conflict(detail, code="user_exists")
-        _refuse_reserved(name)
+        refuse_reserved(name)
         return await self.tokens.create(name, grant, expires_at, by, self._users.without(name))
 
     async def revoke_token(self, token_id: str, condition: Condition = UNCONDITIONAL) -> None:
@@ -294,16 +294,6 @@ class Logins:
         finally:
             self.end_streams()
 
-    async def end_sessions(self, name: str) -> None:
-        """End all sessions of a user.
-
-        Raises:
-            NotFound: There is no such user (`user_not_found`).
-            Unavailable: The history does not answer (`history_unavailable`); they go on.
-        """
-        await self._users.change(name, lambda user: replace(self._require(name, user), era=new_era()))
-        self.end_streams()
-
     async def change_password(self, name: str, old: str, new: str, address: str) -> str:
         """Change the password of a user who knows the old one; return the secret of a new session. All others end.
 
@@ -314,7 +304,7 @@ class Logins:
         """
         wrong = NotAllowed("the old password is wrong", code="wrong_password")
         with self.guard.counted(CHANGE + name, address):
-            known = self._require(name, (await self._users.read()).get(name))
+            known = self._users.require(name, (await self._users.read()).get(name))
             right, _ = await self._passwords.verify(old, known.password)
             if not right:
                 raise wrong
@@ -329,124 +319,3 @@ class Logins:
         assert user is not None
         # The streams end with the next `refresh`: by then the browser has the new session.
         return await self._sessions.create(name, user.era)
-
-    # ------------------------------------------------------------------ users
-
-    async def documents(self) -> list[dict[str, Any]]:
-        """Return all users by name, as the API shows them.
-
-        Raises:
-            Unavailable: The history does not answer (`history_unavailable`).
-        """
-        users, sessions = await self._users.read(), self._sessions.count()
-        return [self._user_document(name, user, sessions[name]) for name, user in sorted(users.items())]
-
-    async def user_document(self, name: str) -> dict[str, Any]:
-        """Return a user as the API shows them.
-
-        Raises:
-            NotFound: There is no such user (`user_not_found`).
-            Unavailable: The history does not answer (`history_unavailable`).
-        """
-        user = self._require(name, (await self._users.read()).get(name))
-        return self._user_document(name, user, self._sessions.count()[name])
-
-    def _user_document(self, name: str, user: User, sessions: int) -> dict[str, Any]:
-        return user_document(name, user, sessions) | {"etag": self._users.book.etag(user)}
-
-    async def add_user(
-        self,
-        name: str,
-        grant: Grant,
-        password: str,
-        by: str | None = None,
-        *,
-        disabled: bool = False,
-        condition: Condition = UNCONDITIONAL,
-    ) -> dict[str, Any]:
-        """Add a user; return them as the API shows them.
-
-        Raises:
-            ChangedMeanwhile: The condition is not true.
-            Conflict: There are too many (`limit_reached`), or a user (`user_exists`) or a token (`token_exists`) has
-                this name, by which records name them.
-            Unavailable: The history does not answer (`history_unavailable`); there is no new user.
-        """
-        _refuse_reserved(name)
-        hashed = await self._passwords.hash(password)
-
-        def add(user: User | None) -> User:
-            condition.require(self._users.book.etag(user))
-            if user is not None:
-                raise Conflict(f"there is a user of the name {name}", code="user_exists")
-            return new_user(grant, hashed, by, disabled=disabled)
-
-        user = await self._users.change(name, add, dependency=self.tokens.without(name))
-        assert user is not None
-        return self._user_document(name, user, 0)
-
-    async def edit_user(
-        self,
-        name: str,
-        grant: Grant | None = None,
-        password: str | None = None,
-        *,
-        disabled: bool | None = None,
-        condition: Condition = UNCONDITIONAL,
-    ) -> dict[str, Any]:
-        """Change the given fields of a user; return them as the API shows them.
-
-        Raises:
-            ChangedMeanwhile: They have not the version of the condition.
-            NotFound: There is no such user (`user_not_found`).
-            Conflict: It is the last admin (`last_admin`).
-            Unavailable: The history does not answer (`history_unavailable`); nothing has changed.
-        """
-        hashed = None if password is None else await self._passwords.hash(password)
-        user = await self._users.change(
-            name,
-            lambda user: edit(self._require(name, user, condition), grant, hashed, disabled=disabled),
-            await self._keep_admin(),
-        )
-        self.end_streams()
-        assert user is not None
-        return self._user_document(name, user, self._sessions.count()[name])
-
-    async def remove_user(self, name: str, condition: Condition = UNCONDITIONAL) -> None:
-        """Remove a user, and end their sessions.
-
-        Raises:
-            ChangedMeanwhile: They have not the version of the condition.
-            NotFound: There is no such user (`user_not_found`).
-            Conflict: It is the last admin (`last_admin`).
-            Unavailable: The history does not answer (`history_unavailable`); the user is still there.
-        """
-
-        def remove(user: User | None) -> None:
-            self._require(name, user, condition)
-
-        await self._users.change(name, remove, await self._keep_admin())
-        self.end_streams()
-
-    def _require(self, name: str, user: User | None, condition: Condition = UNCONDITIONAL) -> User:
-        if user is None:
-            raise self._users.book.missing(name)
-        condition.require(self._users.book.etag(user))
-        return user
-
-    async def _keep_admin(self) -> Check:
-        """Return a check that there is still an admin, if there is one now."""
-        await self.tokens.book.read()
-        needed = not self.tokens.have_admin() and any(map(is_admin, (await self._users.read()).values()))
-
-        def check(users: Mapping[str, User]) -> None:
-            if needed and not any(map(is_admin, users.values())):
-                raise Conflict("this is the last admin; add another admin first", code="last_admin")
-
-        return check
-
-
-def _refuse_reserved(name: str) -> None:
-    if is_reserved(name):
-        detail = f"the name {FORWARDER}, and names that begin with {OF_FORWARDER}, are reserved"
-        raise Conflict(detail, code="user_exists")

@@ -144,7 +144,7 @@ async def log_out(
         if principal.kind is PrincipalKind.PERSON and principal.name is not None:
             await logins.log_out_person(principal.name)
         else:
-            await logins.end_sessions(require_user(principal))
+            await logins.accounts.end_sessions(require_user(principal))
     else:
         with suppress(GatewayError):
             request.scope["principal"] = await identify(request)

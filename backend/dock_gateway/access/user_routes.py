@@ -33,14 +33,14 @@ UserName = Annotated[str, Depends(_name_in_path)]
 @operation(Role.ADMIN, Scope.EVERY)
 async def list_users(logins: Part[Logins]) -> Answer[UserList]:
     """List all users by name, without their passwords."""
-    return json_response({"users": await logins.documents()})
+    return json_response({"users": await logins.accounts.documents()})
 
 
 @router.get("/users/{user}", name="get_user")
 @operation(Role.ADMIN, Scope.EVERY, errors=(404,))
 async def get_user(name: UserName, logins: Part[Logins]) -> Item[User]:
     """Return a user, without the password."""
-    return item_response(await logins.user_document(name))
+    return item_response(await logins.accounts.document(name))
 
 
 @router.put("/users/{user}", name="put_user")
@@ -51,13 +51,13 @@ async def put_user(
     """Add a user, or change one. A changed role holds at once; streams that were opened with the earlier one end."""
     grant, password, disabled = body.grant(), body.password, body.disabled
     try:
-        return item_response(await logins.edit_user(name, grant, password, disabled=disabled, condition=condition))
+        return item_response(await logins.accounts.edit(name, grant, password, disabled=disabled, condition=condition))
     except NotFound:
         condition.require(None)
         if password is None:
             error = FieldError("password", "the password of the new user", "got none")
             raise InvalidField([error]) from None
-    user = await logins.add_user(name, grant, password, principal.name, disabled=disabled, condition=condition)
+    user = await logins.accounts.add(name, grant, password, principal.name, disabled=disabled, condition=condition)
     return item_response(user, f"/users/{name}")
 
 
@@ -65,14 +65,14 @@ async def put_user(
 @operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST, errors=(409,))
 async def remove_user(name: UserName, logins: Part[Logins], condition: ChangeCondition) -> Response:
     """Remove a user, and end their sessions. Their goals go on, and records keep their name."""
-    return await removed(logins.remove_user(name, condition))
+    return await removed(logins.accounts.remove(name, condition))
 
 
 @router.delete("/users/{user}/sessions", name="end_sessions", status_code=204)
 @operation(Role.ADMIN, Scope.EVERY, Audit.STORED_FIRST, errors=(404, 409))
 async def end_sessions(name: UserName, logins: Part[Logins]) -> Response:
     """Log a user out everywhere."""
-    await logins.end_sessions(name)
+    await logins.accounts.end_sessions(name)
     return Response(status_code=204)
 
 

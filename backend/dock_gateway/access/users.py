@@ -7,11 +7,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from dock_gateway.core.access import User
+from dock_gateway.core.access import FORWARDER, OF_FORWARDER, User, is_reserved
 from dock_gateway.core.errors import Conflict
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.request import act
+from dock_gateway.core.versions import UNCONDITIONAL, Condition
 from dock_gateway.storage import Dependency
 from dock_gateway.storage.shared_entries import SharedBook
 
@@ -95,9 +96,32 @@ class Users:
         """
         return await self.book.read()
 
+    def require(self, name: str, user: User | None, condition: Condition = UNCONDITIONAL) -> User:
+        """Return the user of this name, as they were read.
+
+        Raises:
+            ChangedMeanwhile: They have not the version of the condition.
+            NotFound: There was none (`user_not_found`).
+        """
+        if user is None:
+            raise self.book.missing(name)
+        condition.require(self.book.etag(user))
+        return user
+
 
 class _OvertakenError(Exception):
     """Another gateway or request has changed the user in the meantime."""
+
+
+def refuse_reserved(name: str) -> None:
+    """Refuse a name that records use for others.
+
+    Raises:
+        Conflict: It is one (`user_exists`).
+    """
+    if is_reserved(name):
+        detail = f"the name {FORWARDER}, and names that begin with {OF_FORWARDER}, are reserved"
+        raise Conflict(detail, code="user_exists")
 
 
 def new_era() -> str:

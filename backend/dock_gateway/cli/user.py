@@ -62,7 +62,7 @@ def user() -> None:
 def create(name: str, role: str, database_url: str | None, **limits: tuple[str, ...]) -> None:
     """Create the user NAME. The password is asked for, or read from the input."""
     grant, password = make_grant(role, limits), read_password()
-    with_logins(database_url, lambda logins: logins.add_user(name, grant, password))
+    with_logins(database_url, lambda logins: logins.accounts.add(name, grant, password))
 
 
 @user.command()
@@ -71,7 +71,7 @@ def create(name: str, role: str, database_url: str | None, **limits: tuple[str, 
 def passwd(name: str, database_url: str | None) -> None:
     """Set the password of the user NAME, and log them out everywhere."""
     password = read_password()
-    with_logins(database_url, lambda logins: logins.edit_user(name, password=password))
+    with_logins(database_url, lambda logins: logins.accounts.edit(name, password=password))
 
 
 @user.command()
@@ -79,7 +79,7 @@ def passwd(name: str, database_url: str | None) -> None:
 @database_option
 def disable(name: str, database_url: str | None) -> None:
     """Log the user NAME out everywhere, and refuse their logins from now on."""
-    with_logins(database_url, lambda logins: logins.edit_user(name, disabled=True))
+    with_logins(database_url, lambda logins: logins.accounts.edit(name, disabled=True))
 
 
 @user.command()
@@ -87,7 +87,7 @@ def disable(name: str, database_url: str | None) -> None:
 @database_option
 def enable(name: str, database_url: str | None) -> None:
     """Let the user NAME log in again."""
-    with_logins(database_url, lambda logins: logins.edit_user(name, disabled=False))
+    with_logins(database_url, lambda logins: logins.accounts.edit(name, disabled=False))
 
 
 @user.command()
@@ -95,14 +95,14 @@ def enable(name: str, database_url: str | None) -> None:
 @database_option
 def delete(name: str, database_url: str | None) -> None:
     """Delete the user NAME, and log them out everywhere."""
-    with_logins(database_url, lambda logins: logins.remove_user(name))
+    with_logins(database_url, lambda logins: logins.accounts.remove(name))
 
 
 @user.command(name="list")
 @database_option
 def list_users(database_url: str | None) -> None:
     """List all users."""
-    for each in with_logins(database_url, lambda logins: logins.documents(), changed=False):
+    for each in with_logins(database_url, lambda logins: logins.accounts.documents(), changed=False):
         last = each["logged_in_at"]
         login = "never logged in" if last is None else f"logged in {last:%Y-%m-%d %H:%M} UTC"
         state = ", disabled" if each["disabled"] else ""

@@ -64,7 +64,7 @@ class Site:
         self._app = create_app(settings, parts)
 
     def add_user(self, name: str, role: Role) -> None:
-        asyncio.run(self.logins.add_user(name, Grant(role), PASSWORD))
+        asyncio.run(self.logins.accounts.add(name, Grant(role), PASSWORD))
 
     async def _fill(self) -> dict[Role, str]:
         return {role: (await self.logins.create_token(role.value, Grant(role)))[1] for role in Role}

@@ -34,23 +34,23 @@ async def log_out(site: Site) -> None:
 
 
 async def disable(site: Site) -> None:
-    await site.logins.edit_user("ada", disabled=True)
+    await site.logins.accounts.edit("ada", disabled=True)
 
 
 async def remove(site: Site) -> None:
-    await site.logins.remove_user("ada")
+    await site.logins.accounts.remove("ada")
 
 
 async def change_password(site: Site) -> None:
-    await site.logins.edit_user("ada", password="another horse, another battery")
+    await site.logins.accounts.edit("ada", password="another horse, another battery")
 
 
 async def demote(site: Site) -> None:
-    await site.logins.edit_user("ada", Grant(Role.VIEWER))
+    await site.logins.accounts.edit("ada", Grant(Role.VIEWER))
 
 
 async def limit(site: Site) -> None:
-    await site.logins.edit_user("ada", Grant(Role.OPERATOR, ("/robot7",)))
+    await site.logins.accounts.edit("ada", Grant(Role.OPERATOR, ("/robot7",)))
 
 
 @pytest.mark.parametrize(("method", "path", "name"), CHANGES)
@@ -80,7 +80,7 @@ async def test_what_changes_while_a_body_comes(change: Change, answer: tuple[int
     site = await Site().open()
     body = {"name": "x", "role": "admin"} if method == "POST" else {"role": "admin", "password": PASSWORD}
     assert await site.ask(method, path, orjson.dumps(body), meanwhile=change) == answer
-    assert {user["name"] for user in await site.logins.documents()} <= {"ada", "root"}
+    assert {user["name"] for user in await site.logins.accounts.documents()} <= {"ada", "root"}
     assert await site.logins.tokens.documents() == []
     entry = site.audit.entries[-1]
     assert (entry.status, entry.code) == answer
@@ -95,7 +95,7 @@ async def test_a_role_that_still_suffices() -> None:
     site = await Site().open()
 
     async def lower(site: Site) -> None:
-        await site.logins.edit_user("ada", Grant(Role.OPERATOR))
+        await site.logins.accounts.edit("ada", Grant(Role.OPERATOR))
 
     assert (await site.ask("POST", "/dock", meanwhile=lower))[0] == 404
 
@@ -115,14 +115,16 @@ async def test_a_token_that_expires_while_a_body_comes() -> None:
 async def test_a_login_that_ends_while_the_password_is_hashed() -> None:
     """Others hash theirs first: the body was there long before."""
     site = await Site().open()
-    others = [asyncio.create_task(site.logins.add_user(f"user{n}", Grant(Role.VIEWER), PASSWORD)) for n in range(50)]
+    others = [
+        asyncio.create_task(site.logins.accounts.add(f"user{n}", Grant(Role.VIEWER), PASSWORD)) for n in range(50)
+    ]
     body = orjson.dumps({"role": "admin", "password": PASSWORD})
     change = asyncio.create_task(site.ask("PUT", "/users/{user}", body))
     await asyncio.sleep(0)
     await log_out(site)
     assert await change == (401, "invalid_token")
     await asyncio.gather(*others)
-    assert "x1" not in {user["name"] for user in await site.logins.documents()}
+    assert "x1" not in {user["name"] for user in await site.logins.accounts.documents()}
 
 
 async def test_the_record_says_when_it_acted() -> None:

@@ -96,7 +96,7 @@ def test_nobody_here_has_a_name_of_the_hub() -> None:
             with pytest.raises(Conflict, match="are reserved"):
                 await logins.create_token(name, UNLIMITED)
             with pytest.raises(Conflict, match="are reserved"):
-                await logins.add_user(name, UNLIMITED, "correct horse battery staple")
+                await logins.accounts.add(name, UNLIMITED, "correct horse battery staple")
 
     asyncio.run(refusals())
     assert forwarded(None, UNLIMITED, "key").name == "hub"

@@ -74,8 +74,8 @@ def site() -> Site:
 async def logins(site: Site) -> Logins:
     """A gateway with an admin and an operator."""
     logins = site.logins()
-    await logins.add_user("root", ADMIN, PASSWORD)
-    await logins.add_user("ada", OPERATOR, PASSWORD, by="root")
+    await logins.accounts.add("root", ADMIN, PASSWORD)
+    await logins.accounts.add("ada", OPERATOR, PASSWORD, by="root")
     return logins
 
 
@@ -107,7 +107,7 @@ async def test_a_session_says_who_shows_it(site: Site, logins: Logins) -> None:
     stored = repr((await site.users.read(), await site.sessions.read()))
     assert secret not in stored
     assert PASSWORD not in stored
-    (root, ada) = sorted(await logins.documents(), key=lambda user: user["role"])
+    (root, ada) = sorted(await logins.accounts.documents(), key=lambda user: user["role"])
     assert (ada["name"], ada["created_by"], ada["sessions"], ada["disabled"]) == ("ada", "root", 1, False)
     assert ada["logged_in_at"] is not None
     assert (root["logged_in_at"], root["sessions"]) == (None, 0)
@@ -149,7 +149,7 @@ async def test_an_unknown_user_takes_as_long(logins: Logins, monkeypatch: pytest
 
 
 async def test_letters_count_however_the_keyboard_sends_them(logins: Logins) -> None:
-    await logins.add_user("jose", VIEWER, "contrase\u00f1a secreta")
+    await logins.accounts.add("jose", VIEWER, "contrase\u00f1a secreta")
     assert is_in(logins, await log_in(logins, "jose", "contrasen\u0303a secreta"))
 
 
@@ -200,10 +200,10 @@ async def test_its_use_keeps_it(site: Site, logins: Logins) -> None:
 
 
 ENDINGS = {
-    "logged out everywhere": lambda logins: logins.end_sessions("ada"),
-    "disabled": lambda logins: logins.edit_user("ada", disabled=True),
-    "removed": lambda logins: logins.remove_user("ada"),
-    "new password": lambda logins: logins.edit_user("ada", password=OTHER),
+    "logged out everywhere": lambda logins: logins.accounts.end_sessions("ada"),
+    "disabled": lambda logins: logins.accounts.edit("ada", disabled=True),
+    "removed": lambda logins: logins.accounts.remove("ada"),
+    "new password": lambda logins: logins.accounts.edit("ada", password=OTHER),
 }
 
 
@@ -225,14 +225,14 @@ async def test_what_ends_all_sessions_of_a_user(site: Site, logins: Logins, endi
 
 async def test_who_is_enabled_or_added_again_has_to_log_in_again(logins: Logins) -> None:
     secret = await log_in(logins)
-    await logins.edit_user("ada", disabled=True)
+    await logins.accounts.edit("ada", disabled=True)
     with pytest.raises(NotAuthenticated, match="disabled"):
         await log_in(logins)
-    await logins.edit_user("ada", disabled=False)
+    await logins.accounts.edit("ada", disabled=False)
     assert not is_in(logins, secret)
     secret = await log_in(logins)
-    await logins.remove_user("ada")
-    await logins.add_user("ada", ADMIN, PASSWORD)
+    await logins.accounts.remove("ada")
+    await logins.accounts.add("ada", ADMIN, PASSWORD)
     assert not is_in(logins, secret)
 
 
@@ -242,7 +242,7 @@ async def test_a_changed_role_holds_at_once_and_ends_streams(site: Site, logins:
     await elsewhere.refresh()
     before = logins.identify(secret)
     with watching(logins, secret) as ends, watching(elsewhere, secret) as later:
-        await logins.edit_user("ada", VIEWER)
+        await logins.accounts.edit("ada", VIEWER)
         assert ends == ["ended"]
         assert logins.identify(secret).grant == VIEWER
         assert not logins.is_valid(before)
@@ -342,24 +342,24 @@ async def test_old_sessions_make_room(site: Site, logins: Logins) -> None:
 
 async def test_the_last_admin_stays(logins: Logins) -> None:
     for attempt in (
-        lambda: logins.remove_user("root"),
-        lambda: logins.edit_user("root", disabled=True),
-        lambda: logins.edit_user("root", OPERATOR),
+        lambda: logins.accounts.remove("root"),
+        lambda: logins.accounts.edit("root", disabled=True),
+        lambda: logins.accounts.edit("root", OPERATOR),
     ):
         with pytest.raises(Conflict) as kept:
             await attempt()
         assert kept.value.code == "last_admin"
     assert is_in(logins, await log_in(logins, "root"))
-    await logins.edit_user("root", ADMIN, OTHER)
+    await logins.accounts.edit("root", ADMIN, OTHER)
     await logins.create_token("emergency", ADMIN)
-    await logins.remove_user("root")
-    await logins.edit_user("ada", VIEWER)
+    await logins.accounts.remove("root")
+    await logins.accounts.edit("ada", VIEWER)
 
 
 async def test_two_admins_cannot_remove_each_other_at_the_same_time(site: Site, logins: Logins) -> None:
-    await logins.add_user("eve", ADMIN, PASSWORD)
+    await logins.accounts.add("eve", ADMIN, PASSWORD)
     done = await asyncio.gather(
-        logins.edit_user("root", disabled=True), site.logins().remove_user("eve"), return_exceptions=True
+        logins.accounts.edit("root", disabled=True), site.logins().accounts.remove("eve"), return_exceptions=True
     )
     assert [isinstance(each, Conflict) for each in done].count(True) == 1
 
@@ -368,7 +368,7 @@ async def test_names_are_used_once(logins: Logins) -> None:
     await logins.create_token("Cron", VIEWER)
     for name, code in (("ada", "user_exists"), ("cron", "token_exists")):
         with pytest.raises(Conflict) as taken:
-            await logins.add_user(name, ADMIN, PASSWORD)
+            await logins.accounts.add(name, ADMIN, PASSWORD)
         assert taken.value.code == code
     with pytest.raises(Conflict) as user:
         await logins.create_token("Ada", VIEWER)
@@ -376,7 +376,7 @@ async def test_names_are_used_once(logins: Logins) -> None:
 
 
 async def test_who_is_not_there(logins: Logins) -> None:
-    for attempt in (logins.edit_user, logins.remove_user, logins.end_sessions):
+    for attempt in (logins.accounts.edit, logins.accounts.remove, logins.accounts.end_sessions):
         with pytest.raises(NotFound) as missing:
             await attempt("nobody")
         assert missing.value.code == "user_not_found"
@@ -384,7 +384,7 @@ async def test_who_is_not_there(logins: Logins) -> None:
 
 async def test_a_login_overwrites_no_change_of_another_gateway(site: Site, logins: Logins) -> None:
     elsewhere = site.logins()
-    await elsewhere.edit_user("ada", VIEWER)
+    await elsewhere.accounts.edit("ada", VIEWER)
     principal, _ = await logins.log_in("ada", PASSWORD, HOME)
     assert principal.grant == VIEWER
     assert (await site.users.read())["ada"].role is Role.VIEWER
@@ -398,7 +398,7 @@ async def test_a_password_that_changes_during_a_login_is_too_late_for_it(
 
     async def overtaken(self: Passwords, password: str, hashed: str | None) -> tuple[bool, str | None]:
         verified = await verify(self, password, hashed)
-        await elsewhere.edit_user("ada", password=OTHER)
+        await elsewhere.accounts.edit("ada", password=OTHER)
         return verified
 
     monkeypatch.setattr(Passwords, "verify", overtaken)
@@ -451,7 +451,7 @@ async def test_a_gateway_that_nobody_can_log_in_at_says_so(site: Site, caplog: p
     await until(lambda: "dock-gateway user create" in caplog.text)
     await logins.close()
     caplog.clear()
-    await logins.add_user("ada", ADMIN, PASSWORD)
+    await logins.accounts.add("ada", ADMIN, PASSWORD)
     await logins.open()
     await asyncio.sleep(0.1)
     await logins.close()
@@ -463,19 +463,19 @@ async def test_two_gateways_on_one_database(database_url: str, tmp_path: Path) -
         await until(lambda: one.stats().database_reachable and other.stats().database_reachable)
         here, elsewhere = Logins(one), Logins(other)
         limited = Grant(Role.OPERATOR, ("/hall_a/*",), (), ("*/battery_status",))
-        await here.add_user("root", ADMIN, PASSWORD)
-        await here.add_user("ada", limited, PASSWORD, by="root", disabled=True)
-        await elsewhere.edit_user("ada", disabled=False)
+        await here.accounts.add("root", ADMIN, PASSWORD)
+        await here.accounts.add("ada", limited, PASSWORD, by="root", disabled=True)
+        await elsewhere.accounts.edit("ada", disabled=False)
         principal, secret = await elsewhere.log_in("ada", PASSWORD, HOME)
         assert principal.grant == limited
         await here.refresh()
         assert here.identify(secret) == principal
-        (stored, root) = await here.documents()
+        (stored, root) = await here.accounts.documents()
         assert (stored["created_by"], stored["sessions"], stored["disabled"]) == ("root", 1, False)
-        edits = (here.edit_user("ada", Grant(role)) for role in Role)
+        edits = (here.accounts.edit("ada", Grant(role)) for role in Role)
         await asyncio.gather(elsewhere.log_in("ada", PASSWORD, HOME), *edits)
-        await here.end_sessions("ada")
+        await here.accounts.end_sessions("ada")
         await elsewhere.refresh()
         assert not is_in(elsewhere, secret)
-        await here.remove_user("ada")
-        assert await elsewhere.documents() == [root]
+        await here.accounts.remove("ada")
+        assert await elsewhere.accounts.documents() == [root]

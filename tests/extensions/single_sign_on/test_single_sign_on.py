@@ -138,7 +138,7 @@ async def test_a_person_logs_in(logins: Logins, fake: FakeProvider) -> None:
 
 
 async def test_a_local_user_of_the_same_name_is_someone_else(logins: Logins, fake: FakeProvider) -> None:
-    await logins.add_user("ada", Grant(Role.ADMIN), "correct horse battery staple")
+    await logins.accounts.add("ada", Grant(Role.ADMIN), "correct horse battery staple")
     local = (await logins.log_in("ada", "correct horse battery staple", HOME))[0]
     person = logins.identify(await log_in(logins, fake))
     assert (local.name, person.name) == ("ada", "oidc:ada")
