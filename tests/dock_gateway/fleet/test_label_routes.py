@@ -1,12 +1,14 @@
 """Labels over HTTP: what is stored, and what is refused with which field or code."""
 
 from collections.abc import Iterator
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.robots.labels import Labels, RobotLabel
+from dock_gateway.robots.robots import Robots
 from tests.support.entries import EntriesInMemory
 from tests.support.route_client import RouteClient
 
@@ -18,7 +20,7 @@ class Client(RouteClient):
 
     def __init__(self) -> None:
         self.labels = Labels(EntriesInMemory[RobotLabel](), lambda: ["/", "/robot1"])
-        super().__init__({Labels: self.labels})
+        super().__init__({Labels: self.labels, Robots: SimpleNamespace(default_namespace="/")})
 
     def put(self, status: int = 200, robot: str = "/robot1", **content: Any) -> Any:
         return self.send("PUT", f"/label?robot={robot}", status, **content)
