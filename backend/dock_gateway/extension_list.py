@@ -25,6 +25,7 @@ OURS = (
     "maps",
     "cameras",
     "automation",
+    "missions",
     "webhooks",
     "rosbridge",
     "foxglove",

@@ -87,10 +87,15 @@ class RobotRegistry:
         self.default_namespace = normalize_namespace(settings.namespace)
         self.on_scan = Listeners[[Scan]]("the ROS graph was scanned")
         self.before_removal = Hooks[Callable[[str], Awaitable[None]]]()  # called with the robot
+        self.at_work = Hooks[Callable[[str], bool]]()  # whether a robot has work that lasts longer than a goal
 
     async def scanned(self, found: Scan) -> None:
         """Pass on a scan of the ROS graph."""
         self.on_scan(found)
+
+    def is_at_work(self, namespace: str) -> bool:
+        """Return whether a robot has work of which a goal is only a part: nothing else is to move it meanwhile."""
+        return any(has_work(namespace) for has_work in self.at_work)
 
     async def leave(self, namespace: str) -> None:
         """Let all leave the topics of a robot that is about to be removed.

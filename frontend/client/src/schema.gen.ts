@@ -477,6 +477,132 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/missions": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Missions
+         * @description List the missions, newest first: those that have not ended, and the last 1000 that have.
+         */
+        get: operations["list_missions"];
+        put?: never;
+        /**
+         * Create Mission
+         * @description Queue a mission for a robot. It begins when no other one of the robot is on its way.
+         *
+         *     With the same `Idempotency-Key`, a request that is sent twice makes one mission.
+         */
+        post: operations["create_mission"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/missions/{mission_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Mission
+         * @description Return a mission.
+         */
+        get: operations["get_mission"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/missions/{mission_id}/cancel": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Cancel Mission
+         * @description End a mission. The goal of its step is canceled first, which `canceling` shows.
+         */
+        post: operations["cancel_mission"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/missions/{mission_id}/pause": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Pause Mission
+         * @description Hold a mission before its next step, until it is continued.
+         */
+        post: operations["pause_mission"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/missions/{mission_id}/continue": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Continue Mission
+         * @description Let a mission that is held go on: with its step from the beginning, unless that waited for this.
+         */
+        post: operations["continue_mission"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/missions/{mission_id}/skip": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Skip Step
+         * @description Let a mission that is held go on without its step.
+         */
+        post: operations["skip_step"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/webhooks": {
         parameters: {
             query?: never;
@@ -1970,6 +2096,18 @@ export interface components {
             } | null;
         };
         /**
+         * ActionStep
+         * @description A goal of any action. `goal` has the fields of the message; those left out have their defaults.
+         */
+        ActionStep: {
+            /** Name */
+            name: string;
+            /** Goal */
+            goal: {
+                [key: string]: unknown;
+            };
+        };
+        /**
          * Alert
          * @description A condition that an operator has to know about.
          *
@@ -2922,7 +3060,7 @@ export interface components {
             count: number;
         };
         /** @description A message of an event stream. */
-        Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["FeedbackDroppedEvent"] | components["schemas"]["ResumedEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ClosingEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["DockingEvent"] | components["schemas"]["StopEvent"] | components["schemas"]["SimulatorEvent"] | components["schemas"]["RobotsEvent"] | components["schemas"]["AlertsEvent"] | components["schemas"]["ApprovalsEvent"] | components["schemas"]["SceneEvent"] | components["schemas"]["ScenesEvent"] | components["schemas"]["MapEvent"] | components["schemas"]["MapsEvent"] | components["schemas"]["ScanEvent"] | components["schemas"]["PathEvent"] | components["schemas"]["AutomationEvent"];
+        Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["FeedbackDroppedEvent"] | components["schemas"]["ResumedEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ClosingEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["DockingEvent"] | components["schemas"]["StopEvent"] | components["schemas"]["SimulatorEvent"] | components["schemas"]["RobotsEvent"] | components["schemas"]["AlertsEvent"] | components["schemas"]["ApprovalsEvent"] | components["schemas"]["SceneEvent"] | components["schemas"]["ScenesEvent"] | components["schemas"]["MapEvent"] | components["schemas"]["MapsEvent"] | components["schemas"]["ScanEvent"] | components["schemas"]["PathEvent"] | components["schemas"]["AutomationEvent"] | components["schemas"]["MissionEvent"];
         /**
          * EventType
          * @description The type of an event.
@@ -3014,6 +3152,12 @@ export interface components {
             /** Extensions */
             extensions: components["schemas"]["ExtensionInfo"][];
         };
+        /**
+         * FailurePolicy
+         * @description What a mission does when a step has failed: it ends, or goes on with the next step.
+         * @enum {string}
+         */
+        FailurePolicy: "end" | "next";
         /**
          * FeedbackDroppedEvent
          * @description Feedback of a goal that the gateway did not read because it is too large or too fast. No reader received it.
@@ -3562,6 +3706,15 @@ export interface components {
             last_error: string | null;
         };
         /**
+         * HoldReason
+         * @description Why a mission does not go on until somebody continues it.
+         *
+         *     `stop`: the robot was stopped. `canceled`: somebody canceled the goal of its step. `person`: its step waits for
+         *     that. `paused`: somebody paused it.
+         * @enum {string}
+         */
+        HoldReason: "stop" | "canceled" | "person" | "paused";
+        /**
          * HubConnection
          * @description Whether the hub of a site reaches it, and since when; `code` and `detail` say why it does not.
          *
@@ -3781,6 +3934,124 @@ export interface components {
             lengths: {
                 [key: string]: number;
             };
+        };
+        /**
+         * Mission
+         * @description A mission.
+         *
+         *     `held_for` says why it does not go on until somebody continues it, and `waits_for` what it waits for otherwise; null
+         *     if that is not known, or it has ended.
+         */
+        Mission: {
+            /** Robot */
+            robot: string;
+            /** Name */
+            name: string | null;
+            /** Priority */
+            priority: number;
+            status: components["schemas"]["MissionStatus"];
+            held_for: components["schemas"]["HoldReason"] | null;
+            /** Step */
+            step: number;
+            error: components["schemas"]["Reason"] | null;
+            /** Created By */
+            created_by: string | null;
+            /**
+             * Created At
+             * Format: date-time
+             */
+            created_at: string;
+            /** Started At */
+            started_at: string | null;
+            /** Finished At */
+            finished_at: string | null;
+            /** Mission Id */
+            mission_id: string;
+            waits_for: components["schemas"]["WaitsFor"] | null;
+            /** Steps */
+            steps: components["schemas"]["MissionStep"][];
+        };
+        /**
+         * MissionEvent
+         * @description A mission is new, or has changed.
+         */
+        MissionEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "mission";
+            /**
+             * Time
+             * Format: date-time
+             */
+            time: string;
+            mission: components["schemas"]["Mission"];
+        };
+        /**
+         * MissionList
+         * @description Missions, newest first.
+         */
+        MissionList: {
+            /** Missions */
+            missions: components["schemas"]["Mission"][];
+            /** Next Cursor */
+            next_cursor: string | null;
+        };
+        /**
+         * MissionStatus
+         * @description The states of a mission. Of those of a robot, one at a time is `running`, `held` or `canceling`.
+         * @enum {string}
+         */
+        MissionStatus: "queued" | "running" | "held" | "canceling" | "succeeded" | "failed" | "canceled";
+        /**
+         * MissionStep
+         * @description A step, and how far it has come.
+         *
+         *     `attempt` is the number of the present try, `goal_id` its goal once that was accepted, and `error` says what the
+         *     last try ended with.
+         */
+        MissionStep: {
+            /**
+             * Dock
+             * @default null
+             */
+            dock: {
+                [key: string]: unknown;
+            } | null;
+            /**
+             * Undock
+             * @default null
+             */
+            undock: {
+                [key: string]: unknown;
+            } | null;
+            /** @default null */
+            action: components["schemas"]["ActionStep"] | null;
+            /** @default null */
+            wait: components["schemas"]["WaitStep"] | null;
+            /**
+             * Timeout S
+             * @default null
+             */
+            timeout_s: number | null;
+            /**
+             * Tries
+             * @default 1
+             */
+            tries: number;
+            /** @default end */
+            on_failure: components["schemas"]["FailurePolicy"];
+            status: components["schemas"]["StepStatus"];
+            /** Attempt */
+            attempt: number;
+            /** Goal Id */
+            goal_id: string | null;
+            /** Started At */
+            started_at: string | null;
+            /** Finished At */
+            finished_at: string | null;
+            error: components["schemas"]["Reason"] | null;
         };
         /**
          * NodeParameters
@@ -4297,6 +4568,16 @@ export interface components {
             undock_server: components["schemas"]["ActionServer"];
             history: components["schemas"]["HistoryState"];
             stop: components["schemas"]["StopState"];
+        };
+        /**
+         * Reason
+         * @description Why a step or a mission failed, or what its last try ended with.
+         */
+        Reason: {
+            /** Code */
+            code: string;
+            /** Detail */
+            detail: string;
         };
         /**
          * ReleaseAck
@@ -5085,6 +5366,12 @@ export interface components {
             time: string;
         };
         /**
+         * StepStatus
+         * @description The states of a step.
+         * @enum {string}
+         */
+        StepStatus: "waiting" | "running" | "succeeded" | "failed" | "skipped" | "canceled";
+        /**
          * StopAck
          * @description The answer to `stop`.
          */
@@ -5658,7 +5945,42 @@ export interface components {
          * @description Why a rule does not dock a robot now.
          * @enum {string}
          */
-        WaitReason: "off" | "battery_ok" | "battery_unknown" | "not_due" | "docked" | "server_unavailable" | "shared_action" | "goal_running" | "goal_lost" | "quiet_period" | "not_idle" | "retry_later" | "reported" | "stop_latched" | "gave_up" | "deciding" | "history_unavailable";
+        WaitReason: "off" | "battery_ok" | "battery_unknown" | "not_due" | "docked" | "server_unavailable" | "shared_action" | "goal_running" | "goal_lost" | "at_work" | "quiet_period" | "not_idle" | "retry_later" | "reported" | "stop_latched" | "gave_up" | "deciding" | "history_unavailable";
+        /**
+         * WaitStep
+         * @description One thing to wait for.
+         *
+         *     `seconds`; a time, `until`; a charge of the battery (0 to 1), `battery`; or `person`: until somebody continues the
+         *     mission.
+         */
+        WaitStep: {
+            /**
+             * Seconds
+             * @default null
+             */
+            seconds: number | null;
+            /**
+             * Until
+             * @default null
+             */
+            until: string | null;
+            /**
+             * Battery
+             * @default null
+             */
+            battery: number | null;
+            /**
+             * Person
+             * @default false
+             */
+            person: boolean;
+        };
+        /**
+         * WaitsFor
+         * @description What a mission waits for that has not ended, besides the goal of its step.
+         * @enum {string}
+         */
+        WaitsFor: "turn" | "continue" | "stop_released" | "other_goal" | "retry" | "time" | "battery" | "goal" | "server" | "lost_goal" | "history";
         /**
          * Webhook
          * @description An address that receives alerts. `pending` counts the deliveries that are still to be sent.
@@ -8208,6 +8530,616 @@ export interface operations {
             };
             /** @description Forbidden */
             403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_missions: {
+        parameters: {
+            query?: {
+                /** @description Namespace of the robot, such as `/robot1`; by default all are meant */
+                robot?: string | null;
+                /** @description Only missions in these states */
+                status?: components["schemas"]["MissionStatus"][] | null;
+                limit?: number;
+                /** @description `next_cursor` of the previous page */
+                cursor?: string | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MissionList"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    create_mission: {
+        parameters: {
+            query?: {
+                /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
+                robot?: string | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": {
+                    name?: string | null;
+                    /** @default 50 */
+                    priority?: number;
+                    steps: {
+                        dock?: {
+                            [key: string]: unknown;
+                        } | null;
+                        undock?: {
+                            [key: string]: unknown;
+                        } | null;
+                        action?: {
+                            name: string;
+                            goal?: {
+                                [key: string]: unknown;
+                            };
+                        } | null;
+                        wait?: {
+                            seconds?: number | null;
+                            until?: string | null;
+                            battery?: number | null;
+                            /** @default false */
+                            person?: boolean;
+                        } | null;
+                        timeout_s?: number | null;
+                        /** @default 1 */
+                        tries?: number;
+                        /**
+                         * @description What a mission does when a step has failed: it ends, or goes on with the next step.
+                         * @default end
+                         * @enum {string}
+                         */
+                        on_failure?: "end" | "next";
+                    }[];
+                    by?: string | null;
+                };
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Mission"];
+                };
+            };
+            /** @description Bad Request */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Timeout */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Entity Too Large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unsupported Media Type */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Misdirected Request */
+            421: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too Many Requests */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_mission: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description `mission_id` */
+                mission_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Mission"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    cancel_mission: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description `mission_id` */
+                mission_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Mission"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    pause_mission: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description `mission_id` */
+                mission_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Mission"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    continue_mission: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description `mission_id` */
+                mission_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Mission"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    skip_step: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description `mission_id` */
+                mission_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Mission"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Conflict */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -53,6 +53,7 @@ def test_both_conditions_hold_for_the_whole_time(site: Site) -> None:
         ({"shares_dock": True}, WaitReason.SHARED_ACTION),
         ({"goal_running": True}, WaitReason.GOAL_RUNNING),
         ({"goal_lost": True}, WaitReason.GOAL_LOST),
+        ({"at_work": True}, WaitReason.AT_WORK),
         ({"person_at": 1.0}, WaitReason.QUIET_PERIOD),
         ({"still_since": None}, WaitReason.NOT_IDLE),
         ({"still_since": 50.0}, WaitReason.NOT_IDLE),

@@ -77,6 +77,7 @@ class WaitReason(StrEnum):
     SHARED_ACTION = "shared_action"
     GOAL_RUNNING = "goal_running"
     GOAL_LOST = "goal_lost"
+    AT_WORK = "at_work"
     QUIET_PERIOD = "quiet_period"
     NOT_IDLE = "not_idle"
     RETRY_LATER = "retry_later"

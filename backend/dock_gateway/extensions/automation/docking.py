@@ -55,6 +55,7 @@ class AutomaticDocking:
         rules: The rules.
         decisions: The decisions.
         shared: Returns the robots that may be other names of one robot.
+        at_work: Returns whether a robot has work that must not be interrupted.
     """
 
     def __init__(
@@ -68,6 +69,7 @@ class AutomaticDocking:
         rules: SharedBook[RuleEntry],
         decisions: DecisionLog,
         shared: Callable[[], Collection[str]] = frozenset,
+        at_work: Callable[[str], bool] = lambda _: False,
         interval: float = INTERVAL,
         sync_every: int = SYNC_EVERY,
     ) -> None:
@@ -81,6 +83,7 @@ class AutomaticDocking:
         self._rules = rules
         self.decisions = decisions
         self._shared = shared
+        self._at_work = at_work
         self._policy = DockingPolicy()
         self._waits: dict[tuple[str, str], WaitReason] = {}
         self._answers: bool | None = None  # whether the history does
@@ -250,6 +253,7 @@ class AutomaticDocking:
             shares_dock=server is not None and (servers.get(server.action_name, 0) > 1 or name in self._shared()),
             goal_running=bool(state.goals),
             goal_lost=bool(state.lost),
+            at_work=self._at_work(name),
             stopped=_stopped(state.stop),
             still_since=self._activity.still_since(name),
             person_at=self._activity.person_at(name),

@@ -56,6 +56,7 @@ async def open_automation(parts: Parts) -> AsyncIterator[AutomaticDocking]:
                 history,
                 activity=activity,
                 shared=lambda: parts[GraphWatch].shared,
+                at_work=robots.is_at_work,
                 rules=SharedBook(history.documents("rule", RuleEntry), "rule", MAX_RULES),
                 decisions=decisions,
             ),

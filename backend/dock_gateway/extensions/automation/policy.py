@@ -42,6 +42,7 @@ class RobotFacts:
         shares_dock: Whether its docking action is that of other robots, too.
         goal_running: Whether a goal runs on one of its actions.
         goal_lost: Whether contact was lost during a goal, so that it may run.
+        at_work: Whether it has work of which a goal is only a part, such as a mission.
         stopped: Which stop is latched for it, in words; None if none is.
         still_since: Since when it was not seen to move or to run a goal, in seconds on a monotonic clock;
             None if its velocity is not heard.
@@ -59,6 +60,7 @@ class RobotFacts:
     shares_dock: bool = False
     goal_running: bool = False
     goal_lost: bool = False
+    at_work: bool = False
     stopped: str | None = None
     still_since: float | None = None
     person_at: float | None = None
@@ -248,6 +250,7 @@ def _obstacle(rule: RuleEntry, robot: RobotFacts, low_since: float | None, secon
         WaitReason.SHARED_ACTION: robot.shares_dock,
         WaitReason.GOAL_RUNNING: robot.goal_running,
         WaitReason.GOAL_LOST: robot.goal_lost,
+        WaitReason.AT_WORK: robot.at_work,
         WaitReason.QUIET_PERIOD: robot.stopped is None
         and robot.person_at is not None
         and seconds - robot.person_at < QUIET_PERIOD,

@@ -16,6 +16,7 @@ export const WAITS: Record<Wait, string> = {
   shared_action: "Its docking action is shared with other robots",
   goal_running: "A goal is running",
   goal_lost: "Contact was lost during a goal",
+  at_work: "It is on a mission",
   quiet_period: "Someone has just stopped it, released it or canceled a goal",
   not_idle: "Not idle long enough",
   retry_later: "Waits 5 minutes after the last attempt",

@@ -1,0 +1,1 @@
+"""Missions: what a robot does, one thing after the other."""

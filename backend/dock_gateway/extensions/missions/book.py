@@ -1,0 +1,229 @@
+"""The missions of all gateways that share the history: those that have not ended, which change, and the ended ones."""
+
+import logging
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from dock_gateway.core.cursor import Cursor
+from dock_gateway.core.errors import Conflict, NotFound, limit_reached
+from dock_gateway.core.event import Event, utc_now
+from dock_gateway.core.fanout import Fanout
+from dock_gateway.core.goal import encode
+from dock_gateway.core.grant import Grant
+from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
+from dock_gateway.storage import Entries
+from dock_gateway.storage.shared_entries import SharedEntries
+
+log = logging.getLogger(__name__)
+
+# Missions that have not ended, of all robots, and ended ones that are kept.
+MAX_MISSIONS, MAX_ENDED = 500, 1000
+# How often a change is made anew if another one was first.
+TRIES = 10
+
+Covers = Callable[[MissionEntry, Grant], bool]
+
+
+class MissionBook(SharedEntries[MissionEntry]):
+    """The missions that have not ended, by their ids, and the history of the others.
+
+    A change is stored before it counts, and only if nobody else has made one meanwhile: several gateways may follow the
+    same mission, and one of them changes it.
+
+    Args:
+        fanout: Receives an event for each change.
+        store: Stores those that have not ended.
+        past: Stores the ended ones.
+        covers: Returns whether a grant covers a mission.
+
+    Attributes:
+        waits: What those wait for that this gateway follows, by their ids.
+    """
+
+    def __init__(
+        self, fanout: Fanout, store: Entries[MissionEntry], past: Entries[MissionEntry], covers: Covers
+    ) -> None:
+        super().__init__(store)
+        self._fanout = fanout
+        self._past = past
+        self._covers = covers
+        self._seen: dict[str, int] | None = None  # the revisions whose events were published; None: nothing was read
+        self.waits: dict[str, str] = {}
+
+    async def read(self) -> Mapping[str, MissionEntry]:
+        """Read other gateways' changes, publish them, and return the missions that have not ended.
+
+        Raises:
+            Unavailable: The history does not answer (`history_unavailable`).
+        """
+        missions = await super().read()
+        if self._seen is not None:
+            for mission_id, mission in missions.items():
+                if self._seen.get(mission_id, -1) < mission.revision:
+                    self._publish(mission_id, mission)
+        self._seen = {mission_id: mission.revision for mission_id, mission in missions.items()}
+        self.waits = {key: reason for key, reason in self.waits.items() if key in missions}
+        return missions
+
+    async def add(self, mission_id: str, mission: MissionEntry) -> bool:
+        """Store a new mission; return whether it is new. It is the same one if a request was sent twice.
+
+        Raises:
+            Conflict: There are too many (`limit_reached`), or the id is that of another one (`idempotency_key_reused`).
+            Unavailable: The history does not answer (`history_unavailable`).
+        """
+        first = (await self._past.read()).get(mission_id)
+
+        def check(stored: Mapping[str, MissionEntry]) -> None:
+            nonlocal first
+            first = first or stored.get(mission_id)
+            if first is not None:
+                raise Conflict("this Idempotency-Key was used for another mission", code="idempotency_key_reused")
+            if len(stored) >= MAX_MISSIONS:
+                raise limit_reached(MAX_MISSIONS, "missions")
+
+        try:
+            await self.store(mission_id, mission, check)
+        except Conflict:
+            if first is None or not _is_same(first, mission):
+                raise
+            return False
+        self._published(mission_id, mission)
+        return True
+
+    async def change(self, mission_id: str, before: MissionEntry, after: MissionEntry) -> bool:
+        """Store a change, unless another one was first; return whether it was stored.
+
+        Raises:
+            Unavailable: The history does not answer (`history_unavailable`); nothing has changed.
+        """
+
+        def check(stored: Mapping[str, MissionEntry]) -> None:
+            found = stored.get(mission_id)
+            if found is None or found.revision != before.revision:
+                raise Conflict("it was changed meanwhile")
+            others = (each for key, each in stored.items() if key != mission_id)
+            if after.active and not before.active and any(each.active and each.robot == after.robot for each in others):
+                raise Conflict(f"{after.robot} has another mission")
+
+        try:
+            if after.status.ended:
+                await self._past.write(mission_id, after)
+            await self.store(mission_id, None if after.status.ended else after, check)
+        except Conflict:
+            await self.read()
+            return False
+        if after.status.ended:
+            self.waits.pop(mission_id, None)
+            await self._forget_oldest()
+        self._published(mission_id, after)
+        if (before.status, before.step) != (after.status, after.step):
+            log.info("mission %s of %s: %s, step %d", mission_id, after.robot, after.status.value, after.step)
+        return True
+
+    async def amend(self, mission_id: str, revise: Callable[[MissionEntry], MissionEntry]) -> MissionEntry:
+        """Change a mission as somebody wishes; return it.
+
+        Args:
+            mission_id: Its id.
+            revise: Returns the mission with the change, or raises if that cannot be made.
+
+        Raises:
+            NotFound: `mission_not_found`.
+            Conflict: It has ended (`mission_ended`).
+            Unavailable: The history does not answer (`history_unavailable`); nothing has changed.
+        """
+        for _ in range(TRIES):
+            before = await self.find(mission_id)
+            if before.status.ended:
+                raise Conflict(f"the mission is {before.status.value}", code="mission_ended")
+            after = revise(before)
+            if after is before or await self.change(mission_id, before, after):
+                return after
+        raise Conflict("the mission changes too fast; try again", code="changed_meanwhile")
+
+    async def find(self, mission_id: str) -> MissionEntry:
+        """Return a mission.
+
+        Raises:
+            NotFound: `mission_not_found`.
+            Unavailable: The history does not answer (`history_unavailable`).
+        """
+        mission = (await self.read()).get(mission_id) or (await self._past.read()).get(mission_id)
+        if mission is None:
+            raise missing(mission_id)
+        return mission
+
+    async def document(self, mission_id: str, grant: Grant) -> Mapping[str, Any]:
+        """Return a mission as `GET /missions/{mission_id}` shows it.
+
+        Raises:
+            NotFound: There is none, or the grant does not cover it (`mission_not_found`).
+            Unavailable: The history does not answer (`history_unavailable`).
+        """
+        mission = await self.find(mission_id)
+        if not self._covers(mission, grant):
+            raise missing(mission_id)
+        return self.describe(mission_id, mission)
+
+    async def page(
+        self, robot: str | None, statuses: frozenset[MissionStatus], grant: Grant, limit: int, before: Cursor | None
+    ) -> tuple[list[Mapping[str, Any]], str | None]:
+        """Return a page of the missions of a grant, newest first, and the cursor of the next one if there are more.
+
+        Raises:
+            Unavailable: The history does not answer (`history_unavailable`).
+        """
+        missions = {**await self._past.read(), **await self.read()}
+        found = sorted(
+            (
+                Cursor(mission.created_at, mission_id)
+                for mission_id, mission in missions.items()
+                if robot in (None, mission.robot)
+                and (not statuses or mission.status in statuses)
+                and self._covers(mission, grant)
+            ),
+            reverse=True,
+        )
+        rest = [place for place in found if before is None or place < before]
+        page = [self.describe(place.id, missions[place.id]) for place in rest[:limit]]
+        return page, rest[limit - 1].encode() if len(rest) > limit else None
+
+    def describe(self, mission_id: str, mission: MissionEntry) -> Mapping[str, Any]:
+        """Return a mission as the API shows it."""
+        return mission.document(mission_id, self.waits.get(mission_id))
+
+    async def _forget_oldest(self) -> None:
+        ended = sorted((each.created_at, key) for key, each in (await self._past.read()).items())
+        for _, mission_id in ended[:-MAX_ENDED]:
+            await self._past.write(mission_id, None)
+
+    def _published(self, mission_id: str, mission: MissionEntry) -> None:
+        if self._seen is not None:
+            self._seen[mission_id] = mission.revision
+        self._publish(mission_id, mission)
+
+    def _publish(self, mission_id: str, mission: MissionEntry) -> None:
+        def narrow(document: dict[str, Any], grant: Grant) -> dict[str, Any] | None:
+            return document if self._covers(mission, grant) else None
+
+        document = {"type": "mission", "time": utc_now(), "mission": self.describe(mission_id, mission)}
+        self._fanout.publish(Event(encode(document), "missions", narrow=narrow))
+
+
+def missing(mission_id: str) -> NotFound:
+    """Return the error that there is no such mission."""
+    return NotFound(f"there is no mission {mission_id}", code="mission_not_found")
+
+
+def _is_same(first: MissionEntry, again: MissionEntry) -> bool:
+    """Return whether two requests asked for the same mission."""
+
+    def asked(mission: MissionEntry) -> tuple[object, ...]:
+        steps = [{name: getattr(step, name) for name in _ASKED} for step in mission.steps]
+        return mission.robot, mission.name, mission.priority, steps
+
+    return asked(first) == asked(again)
+
+
+_ASKED = ("dock", "undock", "action", "wait", "timeout_s", "tries", "on_failure")

@@ -1,0 +1,68 @@
+"""Missions: steps that a robot takes one after the other, stored, so that they survive restarts."""
+
+from collections.abc import AsyncIterator
+from contextlib import AsyncExitStack, asynccontextmanager
+
+from dock_gateway.core.fanout import Fanout
+from dock_gateway.core.share import Share
+from dock_gateway.core.tasks import closed_by
+from dock_gateway.extension import Extension
+from dock_gateway.extensions.missions.book import MissionBook
+from dock_gateway.extensions.missions.error_codes import CODES
+from dock_gateway.extensions.missions.mission import MissionEntry
+from dock_gateway.extensions.missions.missions import Missions, covers
+from dock_gateway.extensions.missions.routes import router
+from dock_gateway.extensions.missions.runner import MissionRunner
+from dock_gateway.extensions.missions.schema import MissionEvent
+from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.goals.robot_actions import RobotActions
+from dock_gateway.http.parts import Parts
+from dock_gateway.latch.interlock import Interlock
+from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.stop.stopper import Stopper
+from dock_gateway.storage import History
+
+
+@asynccontextmanager
+async def open_missions(parts: Parts) -> AsyncIterator[Missions]:
+    """Carry out missions."""
+    async with AsyncExitStack() as stack:
+        robots, actions, robot_actions = parts[RobotRegistry], parts[ActionRegistry], parts[RobotActions]
+        history, interlock = parts[History], parts[Interlock]
+        book = MissionBook(
+            parts[Fanout],
+            history.documents("mission", MissionEntry),
+            history.documents("ended_mission", MissionEntry),
+            lambda mission, grant: covers(mission, grant, robot_actions),
+        )
+        runner = closed_by(
+            stack,
+            MissionRunner(
+                book,
+                robots=robots,
+                actions=actions,
+                robot_actions=robot_actions,
+                goals=parts[Goals],
+                history=history,
+                interlock=interlock,
+                share=parts[Share],
+            ),
+        )
+        stack.enter_context(actions.on_end.adding(runner.on_goal))
+        stack.enter_context(actions.on_lost.adding(runner.on_goal))
+        stack.enter_context(parts[Stopper].on_stop.adding(runner.on_stop))
+        stack.enter_context(interlock.on_release.adding(runner.wake))
+        stack.enter_context(robots.at_work.adding(runner.has_work))
+        runner.start()
+        yield Missions(book, runner, robots=robots, actions=actions, robot_actions=robot_actions, interlock=interlock)
+
+
+extension = Extension(
+    "missions",
+    open_missions,
+    routes=lambda _: (router,),
+    includes=("missions",),
+    events=(MissionEvent,),
+    errors=CODES,
+)

@@ -1,0 +1,153 @@
+"""A mission as it is stored: its steps, and how far they have come. Plain data; `progress.py` has the rules."""
+
+from collections.abc import Mapping
+from datetime import datetime
+from enum import StrEnum
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from dock_gateway.extensions.missions.step import StepFields
+from dock_gateway.http.schema import RosName, Schema
+
+# A step of `GET /missions` has what clients sent, and these.
+STORED_ONLY = frozenset({"tried", "retry_at"})
+
+
+class MissionStatus(StrEnum):
+    """The states of a mission. Of those of a robot, one at a time is `running`, `held` or `canceling`."""
+
+    QUEUED = "queued"
+    RUNNING = "running"
+    HELD = "held"
+    CANCELING = "canceling"
+    SUCCEEDED = "succeeded"
+    FAILED = "failed"
+    CANCELED = "canceled"
+
+    @property
+    def ended(self) -> bool:
+        """Whether no other state follows."""
+        return self in (MissionStatus.SUCCEEDED, MissionStatus.FAILED, MissionStatus.CANCELED)
+
+
+class HoldReason(StrEnum):
+    """Why a mission does not go on until somebody continues it.
+
+    `stop`: the robot was stopped. `canceled`: somebody canceled the goal of its step. `person`: its step waits for
+    that. `paused`: somebody paused it.
+    """
+
+    STOP = "stop"
+    CANCELED = "canceled"
+    PERSON = "person"
+    PAUSED = "paused"
+
+
+class StepStatus(StrEnum):
+    """The states of a step."""
+
+    WAITING = "waiting"
+    RUNNING = "running"
+    SUCCEEDED = "succeeded"
+    FAILED = "failed"
+    SKIPPED = "skipped"
+    CANCELED = "canceled"
+
+
+class Reason(Schema):
+    """Why a step or a mission failed, or what its last try ended with."""
+
+    code: str
+    detail: str
+
+
+class StepEntry(StepFields):
+    """A step as it is stored.
+
+    Attributes:
+        status: Its state.
+        attempt: How often it was begun; the number of the present try.
+        goal_id: The goal of this try, once it was accepted.
+        started_at: When this try began.
+        finished_at: When it ended for the last time.
+        error: Why the last try failed. While it is running: why its goal is being canceled.
+        tried: Tries that have failed since it was first begun or continued.
+        retry_at: When the next try begins.
+    """
+
+    status: StepStatus = StepStatus.WAITING
+    attempt: int = 0
+    goal_id: str | None = None
+    started_at: datetime | None = None
+    finished_at: datetime | None = None
+    error: Reason | None = None
+    tried: int = 0
+    retry_at: datetime | None = None
+
+
+class MissionFields(Schema):
+    """The fields of a mission that are stored and shown.
+
+    `priority`: of the missions of a robot that are queued, the one with the highest begins first, then the oldest.
+    `step` is the index of the present step; once all have ended, their number.
+    """
+
+    robot: RosName
+    name: str | None
+    priority: int
+    status: MissionStatus
+    held_for: HoldReason | None
+    step: Annotated[int, Field(ge=0)]
+    error: Reason | None
+    created_by: str | None
+    created_at: datetime
+    started_at: datetime | None
+    finished_at: datetime | None
+
+
+class MissionEntry(MissionFields):
+    """A mission as it is stored.
+
+    Attributes:
+        steps: Its steps, at least one.
+        revision: Counts its changes: one who changes it says what they have read.
+        pausing: Whether it is held before its next step.
+    """
+
+    steps: tuple[StepEntry, ...]
+    revision: int = 0
+    pausing: bool = False
+
+    @property
+    def current(self) -> StepEntry:
+        """The present step of a mission that has not ended."""
+        return self.steps[self.step]
+
+    @property
+    def active(self) -> bool:
+        """Whether it has begun and not ended: it has its robot."""
+        return self.started_at is not None and not self.status.ended
+
+    @property
+    def turn(self) -> tuple[int, datetime]:
+        """Sorts the missions of a robot by whose turn it is."""
+        return -self.priority, self.created_at
+
+    def but(self, **fields: Any) -> "MissionEntry":
+        """Return the mission with other fields, as its next revision."""
+        return self.model_copy(update={"revision": self.revision + 1, **fields})
+
+    def with_step(self, **fields: Any) -> "MissionEntry":
+        """Return the mission with other fields of the present step, as its next revision."""
+        steps = (*self.steps[: self.step], self.current.model_copy(update=fields), *self.steps[self.step + 1 :])
+        return self.but(steps=steps)
+
+    def document(self, mission_id: str, waits_for: str | None) -> Mapping[str, Any]:
+        """Return it as `GET /missions/{mission_id}` shows it."""
+        return {
+            "mission_id": mission_id,
+            **{name: getattr(self, name) for name in MissionFields.model_fields},
+            "waits_for": waits_for,
+            "steps": [step.model_dump(exclude=set(STORED_ONLY)) for step in self.steps],
+        }

@@ -1,0 +1,290 @@
+"""What a mission does next: rules over plain data, without ROS, a clock or a database.
+
+A step is carried out once: it is `running`, with the number of its try, before anything is sent, and its goal has a key
+made of the mission, the step and the try, by which it is found again after a restart.
+"""
+
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from enum import StrEnum
+
+from dock_gateway.core.goal import Goal, GoalStatus
+from dock_gateway.extensions.missions.mission import HoldReason, MissionEntry, MissionStatus, Reason, StepStatus
+from dock_gateway.extensions.missions.step import FailurePolicy
+
+# Between two tries of a step.
+RETRY_AFTER = timedelta(seconds=5)
+# A step whose goal could not be sent by then has failed: its key is kept for a day, and only that tells after a restart
+# whether the goal was sent.
+SEND_WITHIN = timedelta(hours=23)
+UNSENT = Reason(code="not_sent", detail="the goal could not be sent within 23 hours")
+GONE = Reason(code="goal_not_found", detail="the history no longer has the goal")
+TIMEOUT = Reason(code="step_timeout", detail="the step took longer than its timeout_s")
+# The code of a goal that a stop has ended.
+STOPPED = "stopped"
+
+
+class WaitsFor(StrEnum):
+    """What a mission waits for that has not ended, besides the goal of its step."""
+
+    TURN = "turn"
+    CONTINUE = "continue"
+    STOP_RELEASED = "stop_released"
+    OTHER_GOAL = "other_goal"
+    RETRY = "retry"
+    TIME = "time"
+    BATTERY = "battery"
+    GOAL = "goal"
+    SERVER = "server"
+    LOST_GOAL = "lost_goal"
+    HISTORY = "history"
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What is known of the robot of a mission.
+
+    Attributes:
+        stopped: Whether a stop holds for it, or has come since the last look.
+        other_goal: Whether a goal runs on it that is not this mission's.
+        battery: Its charge, 0 to 1; None if that is unknown.
+        goal: The goal of the present step, as far as it is known.
+        given_up: Whether that is lost, and canceled should it return.
+    """
+
+    stopped: bool = False
+    other_goal: bool = False
+    battery: float | None = None
+    goal: Goal | None = None
+    given_up: bool = False
+
+
+@dataclass(frozen=True)
+class Change:
+    """The mission becomes this one."""
+
+    mission: MissionEntry
+
+
+@dataclass(frozen=True)
+class Send:
+    """The goal of the present step is to be sent, or found again."""
+
+
+@dataclass(frozen=True)
+class Cancel:
+    """The goal of the present step is to be canceled."""
+
+
+@dataclass(frozen=True)
+class Wait:
+    """There is nothing to do until something changes, or until a time."""
+
+    reason: WaitsFor
+    until: datetime | None = None
+
+
+Move = Change | Send | Cancel | Wait
+
+
+def next_move(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
+    """Return what comes next for a mission that has begun and has not ended."""
+    if mission.status is MissionStatus.CANCELING:
+        return _cancel(mission, facts, now)
+    if mission.status is MissionStatus.HELD:
+        return _hold(mission, facts, now)
+    if facts.stopped:
+        return Change(mission.but(status=MissionStatus.HELD, held_for=HoldReason.STOP))
+    if mission.current.status is StepStatus.RUNNING:
+        return _follow(mission, facts, now)
+    return _begin(mission, facts, now)
+
+
+def _begin(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
+    step = mission.current
+    if mission.pausing:
+        return Change(mission.but(status=MissionStatus.HELD, held_for=HoldReason.PAUSED, pausing=False))
+    if step.retry_at is not None and now < step.retry_at:
+        return Wait(WaitsFor.RETRY, step.retry_at)
+    if step.wait is None and facts.other_goal:
+        return Wait(WaitsFor.OTHER_GOAL)
+    begun = mission.with_step(
+        status=StepStatus.RUNNING,
+        attempt=step.attempt + 1,
+        goal_id=None,
+        started_at=now,
+        finished_at=None,
+        retry_at=None,
+        error=None,
+    )
+    if step.waits_for_person:
+        begun = begun.model_copy(update={"status": MissionStatus.HELD, "held_for": HoldReason.PERSON})
+    return Change(begun)
+
+
+def _follow(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
+    """Return what comes next while the present step is running."""
+    step = mission.current
+    began = step.started_at or now
+    fails_at = step.ends_at(began)
+    late = fails_at is not None and now >= fails_at
+    if step.wait is None:
+        return _follow_goal(mission, facts, now, fails_at if not late else None, late=late)
+    if _is_over(mission, facts, now):
+        return Change(succeed(mission, now))
+    if late:
+        return Change(fail(mission, TIMEOUT, now))
+    if step.wait.battery is not None:
+        return Wait(WaitsFor.BATTERY, fails_at)
+    ends = step.wait.until or began + timedelta(seconds=step.wait.seconds or 0)
+    return Wait(WaitsFor.TIME, ends if fails_at is None else min(ends, fails_at))
+
+
+def _follow_goal(mission: MissionEntry, facts: Facts, now: datetime, fails_at: datetime | None, *, late: bool) -> Move:
+    """Return what comes next while the goal of the present step is to be sent, or runs."""
+    step, goal = mission.current, facts.goal
+    if step.goal_id is None and not late:
+        return Send() if now - (step.started_at or now) < SEND_WITHIN else Change(fail(mission, UNSENT, now))
+    if goal is None:
+        return Change(fail(mission, TIMEOUT if step.goal_id is None else GONE, now))
+    if goal.status.final:
+        return Change(_conclude(mission, goal, now))
+    if not late:
+        return Wait(WaitsFor.LOST_GOAL if goal.status is GoalStatus.LOST else WaitsFor.GOAL, fails_at)
+    return _give_up(mission, facts, now)
+
+
+def _give_up(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
+    """Return what comes next when the goal of the present step takes too long."""
+    if mission.current.error is None:  # which says, also after a restart, that it is canceled for this
+        return Change(mission.with_step(error=TIMEOUT))
+    return Change(fail(mission, TIMEOUT, now)) if facts.given_up else Cancel()
+
+
+def _is_over(mission: MissionEntry, facts: Facts, now: datetime) -> bool:
+    """Return whether that for which the present step waits has come."""
+    step, wait = mission.current, mission.current.wait
+    if wait is None or wait.person:
+        return False
+    if wait.battery is not None:
+        return facts.battery is not None and facts.battery >= wait.battery
+    return now >= (wait.until or (step.started_at or now) + timedelta(seconds=wait.seconds or 0))
+
+
+def _conclude(mission: MissionEntry, goal: Goal, now: datetime) -> MissionEntry:
+    """Return the mission after the goal of its step has ended."""
+    error = None if goal.error is None else Reason(code=goal.error.code, detail=goal.error.detail)
+    if goal.status is GoalStatus.SUCCEEDED:
+        return succeed(mission, now)
+    if mission.current.error is not None:  # it was too late, and canceled for that
+        return fail(mission, mission.current.error, now)
+    if error is not None and error.code == STOPPED:
+        return hold_for_stop(mission, error, now)
+    if goal.status is GoalStatus.CANCELED:
+        reason = error or Reason(code="goal_canceled", detail="the goal was canceled, and not by the mission")
+        return _again(mission, reason, now).but(status=MissionStatus.HELD, held_for=HoldReason.CANCELED)
+    return fail(mission, error or Reason(code="goal_aborted", detail="the goal was not reached"), now)
+
+
+def hold_for_stop(mission: MissionEntry, error: Reason, now: datetime) -> MissionEntry:
+    """Return a mission whose goal was stopped, or not sent for a stop."""
+    return _again(mission, error, now).but(status=MissionStatus.HELD, held_for=HoldReason.STOP)
+
+
+def _again(mission: MissionEntry, error: Reason, now: datetime) -> MissionEntry:
+    """Return the mission with its step to be begun once more."""
+    return mission.with_step(status=StepStatus.WAITING, finished_at=now, error=error)
+
+
+def _hold(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
+    """Return what comes next while a mission is held: a goal that still runs is followed to its end."""
+    step, goal = mission.current, facts.goal
+    if step.status is StepStatus.RUNNING and step.wait is None and goal is not None and goal.status.final:
+        if goal.status is GoalStatus.SUCCEEDED:
+            following = succeed(mission, now)
+            held = {} if following.status.ended else {"status": mission.status, "held_for": mission.held_for}
+            return Change(following.model_copy(update=held))
+        error = Reason(code="goal_canceled", detail="the goal ended while the mission was held")
+        if goal.error is not None:
+            error = Reason(code=goal.error.code, detail=goal.error.detail)
+        return Change(_again(mission, error, now))
+    return Wait(WaitsFor.STOP_RELEASED if facts.stopped else WaitsFor.CONTINUE)
+
+
+def _cancel(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
+    """Return what comes next while a mission is being canceled: its goal ends first."""
+    step, goal = mission.current, facts.goal
+    runs = step.status is StepStatus.RUNNING and step.wait is None and goal is not None and not goal.status.final
+    if runs and not facts.given_up:
+        return Cancel()
+    if goal is not None and goal.status is GoalStatus.SUCCEEDED and step.status is StepStatus.RUNNING:
+        mission = mission.with_step(status=StepStatus.SUCCEEDED, finished_at=now)
+    else:
+        mission = mission.with_step(status=StepStatus.CANCELED, finished_at=now)
+    return Change(_end(mission, MissionStatus.CANCELED, now))
+
+
+def succeed(mission: MissionEntry, now: datetime) -> MissionEntry:
+    """Return the mission after its step has succeeded."""
+    return _go_on(mission.with_step(status=StepStatus.SUCCEEDED, finished_at=now, error=None), now)
+
+
+def fail(mission: MissionEntry, error: Reason, now: datetime) -> MissionEntry:
+    """Return the mission after a try of its step has failed."""
+    step = mission.current
+    tried = step.tried + 1
+    if tried < step.tries:
+        later = {"status": StepStatus.WAITING, "tried": tried, "retry_at": now + RETRY_AFTER}
+        return mission.with_step(**later, finished_at=now, error=error)
+    failed = mission.with_step(status=StepStatus.FAILED, tried=tried, finished_at=now, error=error)
+    if step.on_failure is FailurePolicy.NEXT:
+        return _go_on(failed, now)
+    return _end(failed, MissionStatus.FAILED, now).model_copy(update={"error": error})
+
+
+def start(mission: MissionEntry, now: datetime) -> MissionEntry:
+    """Return a queued mission that has its turn."""
+    return mission.but(status=MissionStatus.RUNNING, started_at=now)
+
+
+def cancel(mission: MissionEntry, now: datetime) -> MissionEntry:
+    """Return a mission that is being canceled; one that has not begun has ended."""
+    if mission.started_at is None:
+        return _end(mission, MissionStatus.CANCELED, now)
+    return mission.but(status=MissionStatus.CANCELING, held_for=None, pausing=False)
+
+
+def pause(mission: MissionEntry) -> MissionEntry:
+    """Return a mission that is held before its next step; one that has not begun is held at once."""
+    if mission.status is MissionStatus.QUEUED:
+        return mission.but(status=MissionStatus.HELD, held_for=HoldReason.PAUSED)
+    return mission.but(pausing=True)
+
+
+def skip(mission: MissionEntry, now: datetime) -> MissionEntry:
+    """Return a held mission that goes on without its step."""
+    return resume(_go_on(mission.with_step(status=StepStatus.SKIPPED, finished_at=now), now), now)
+
+
+def resume(mission: MissionEntry, now: datetime) -> MissionEntry:
+    """Return a held mission that goes on: with its step from the beginning, unless that waited for this."""
+    if mission.status is not MissionStatus.HELD:
+        return mission
+    if mission.started_at is None:
+        return mission.but(status=MissionStatus.QUEUED, held_for=None)
+    goes_on = mission.but(status=MissionStatus.RUNNING, held_for=None)
+    if mission.held_for is HoldReason.PERSON and goes_on.current.waits_for_person:
+        return succeed(goes_on, now)
+    if goes_on.current.status is StepStatus.WAITING:
+        return goes_on.with_step(tried=0, retry_at=None)
+    return goes_on
+
+
+def _go_on(mission: MissionEntry, now: datetime) -> MissionEntry:
+    """Return the mission at its next step."""
+    mission = mission.but(step=mission.step + 1)
+    return _end(mission, MissionStatus.SUCCEEDED, now) if mission.step == len(mission.steps) else mission
+
+
+def _end(mission: MissionEntry, status: MissionStatus, now: datetime) -> MissionEntry:
+    return mission.but(status=status, held_for=None, pausing=False, finished_at=now)

@@ -1,0 +1,107 @@
+"""`/missions`: what robots do, one thing after the other."""
+
+import uuid
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Path, Query, Request
+
+from dock_gateway.audit.trail import audited
+from dock_gateway.core.grant import Role
+from dock_gateway.core.namespace import read_namespace
+from dock_gateway.extensions.missions.mission import MissionStatus
+from dock_gateway.extensions.missions.missions import Missions
+from dock_gateway.extensions.missions.schema import Mission, MissionBody, MissionList
+from dock_gateway.http.bodies import SignedBody
+from dock_gateway.http.openapi import UNSTABLE
+from dock_gateway.http.operation import Scope, operation
+from dock_gateway.http.parts import Part
+from dock_gateway.http.principal import TheGrant, read_own_key
+from dock_gateway.http.requests import (
+    Answer,
+    AnyRobotQuery,
+    CursorQuery,
+    LimitQuery,
+    RobotQuery,
+    end_of_page,
+    json_response,
+)
+from dock_gateway.http.route import ApiRoute
+
+router = APIRouter(route_class=ApiRoute, tags=["Missions"], prefix="/missions")
+
+MissionId = Annotated[str, Path(description="`mission_id`", json_schema_extra={"pattern": "^[0-9a-f]{32}$"})]
+OwnKey = Annotated[str | None, Depends(read_own_key)]
+StatusQuery = Annotated[list[MissionStatus] | None, Query(description="Only missions in these states")]
+
+
+@router.post("", status_code=201, openapi_extra=UNSTABLE)
+@operation(Role.OPERATOR, Scope.ROBOT, errors=(404, 409))
+async def create_mission(
+    body: SignedBody[MissionBody],
+    request: Request,
+    *,
+    missions: Part[Missions],
+    grant: TheGrant,
+    key: OwnKey,
+    robot: RobotQuery = None,
+) -> Answer[Mission]:
+    """Queue a mission for a robot. It begins when no other one of the robot is on its way.
+
+    With the same `Idempotency-Key`, a request that is sent twice makes one mission.
+    """
+    mission_id = uuid.uuid4().hex if key is None else uuid.uuid5(uuid.NAMESPACE_OID, f"mission {key}").hex
+    document = await missions.add(mission_id, body, robot, grant)
+    audited(request, robot=document["robot"], subject=mission_id)
+    return json_response(document, 201, {"Location": f"{router.prefix}/{mission_id}"})
+
+
+@router.get("", openapi_extra=UNSTABLE)
+@operation(Role.VIEWER, Scope.LISTED)
+async def list_missions(
+    missions: Part[Missions],
+    grant: TheGrant,
+    *,
+    robot: AnyRobotQuery = None,
+    status: StatusQuery = None,
+    limit: LimitQuery = 50,
+    cursor: CursorQuery = None,
+) -> Answer[MissionList]:
+    """List the missions, newest first: those that have not ended, and the last 1000 that have."""
+    namespace = None if robot is None else read_namespace(robot)
+    page, following = await missions.book.page(namespace, frozenset(status or ()), grant, limit, end_of_page(cursor))
+    return json_response({"missions": page, "next_cursor": following})
+
+
+@router.get("/{mission_id}", openapi_extra=UNSTABLE)
+@operation(Role.VIEWER, Scope.LISTED, errors=(404,))
+async def get_mission(mission_id: MissionId, missions: Part[Missions], grant: TheGrant) -> Answer[Mission]:
+    """Return a mission."""
+    return json_response(await missions.book.document(mission_id, grant))
+
+
+@router.post("/{mission_id}/cancel", openapi_extra=UNSTABLE)
+@operation(Role.OPERATOR, Scope.LISTED, errors=(404, 409))
+async def cancel_mission(mission_id: MissionId, missions: Part[Missions], grant: TheGrant) -> Answer[Mission]:
+    """End a mission. The goal of its step is canceled first, which `canceling` shows."""
+    return json_response(await missions.cancel(mission_id, grant))
+
+
+@router.post("/{mission_id}/pause", openapi_extra=UNSTABLE)
+@operation(Role.OPERATOR, Scope.LISTED, errors=(404, 409))
+async def pause_mission(mission_id: MissionId, missions: Part[Missions], grant: TheGrant) -> Answer[Mission]:
+    """Hold a mission before its next step, until it is continued."""
+    return json_response(await missions.pause(mission_id, grant))
+
+
+@router.post("/{mission_id}/continue", openapi_extra=UNSTABLE)
+@operation(Role.OPERATOR, Scope.LISTED, errors=(404, 409))
+async def continue_mission(mission_id: MissionId, missions: Part[Missions], grant: TheGrant) -> Answer[Mission]:
+    """Let a mission that is held go on: with its step from the beginning, unless that waited for this."""
+    return json_response(await missions.resume(mission_id, grant))
+
+
+@router.post("/{mission_id}/skip", openapi_extra=UNSTABLE)
+@operation(Role.OPERATOR, Scope.LISTED, errors=(404, 409))
+async def skip_step(mission_id: MissionId, missions: Part[Missions], grant: TheGrant) -> Answer[Mission]:
+    """Let a mission that is held go on without its step."""
+    return json_response(await missions.skip(mission_id, grant))

@@ -1,0 +1,268 @@
+"""Carries out missions: follows those of this gateway's robots, and sends and cancels the goals of their steps."""
+
+import asyncio
+import logging
+from datetime import datetime
+from typing import Any
+
+from dock_gateway.core.errors import Conflict, GatewayError, NotFound, TooManyRequests, Unavailable
+from dock_gateway.core.event import utc_now
+from dock_gateway.core.goal import Goal, GoalStatus
+from dock_gateway.core.share import Share
+from dock_gateway.core.tasks import Tasks
+from dock_gateway.extensions.missions import progress
+from dock_gateway.extensions.missions.book import MissionBook
+from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, Reason, StepStatus
+from dock_gateway.extensions.missions.progress import Cancel, Change, Facts, Send, Wait, WaitsFor, next_move
+from dock_gateway.goals.action import Action
+from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.goals.robot_actions import RobotActions
+from dock_gateway.latch.interlock import Interlock
+from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.storage import History
+
+log = logging.getLogger(__name__)
+
+# Seconds between two looks at missions that have not ended, and at what other gateways have stored.
+INTERVAL, SYNC_INTERVAL = 1.0, 2.0
+# The codes of a goal that was not sent for a stop.
+STOPS = frozenset({"stop_latched", "stopped"})
+
+
+class MissionRunner:
+    """Follows missions.
+
+    Args:
+        book: The missions.
+        robots: The robots, with their batteries.
+        actions: All actions.
+        robot_actions: Which of them dock and undock each robot.
+        goals: Their goals.
+        history: Finds goals that were sent before a restart.
+        interlock: The latched stops.
+        share: The robots that this gateway serves.
+    """
+
+    def __init__(
+        self,
+        book: MissionBook,
+        *,
+        robots: RobotRegistry,
+        actions: ActionRegistry,
+        robot_actions: RobotActions,
+        goals: Goals,
+        history: History,
+        interlock: Interlock,
+        share: Share,
+    ) -> None:
+        self.book = book
+        self._robots = robots
+        self._actions = actions
+        self._robot_actions = robot_actions
+        self._goals = goals
+        self._history = history
+        self._interlock = interlock
+        self._share = share
+        self._stopped: set[str] = set()  # robots that were stopped since the last look
+        self._given_up: set[str] = set()  # lost goals that are canceled should they return
+        self._busy: set[str] = set()  # robots
+        self._woken = asyncio.Event()
+        self._tasks = Tasks("carrying out missions")
+
+    def start(self) -> None:
+        """Carry out missions from now on."""
+        self._tasks.spawn(self._run())
+
+    def wake(self, *_: object) -> None:
+        """Look at the missions now."""
+        self._woken.set()
+
+    def on_goal(self, goal: Goal) -> None:
+        """Look at the missions if the goal of one has ended, or is lost."""
+        if any(mission.active and mission.current.goal_id == goal.goal_id for mission in self.book.all().values()):
+            self.wake()
+
+    def on_stop(self, robot: str) -> None:
+        """Hold the mission of a robot that is stopped, also if the stop does not stay."""
+        running = (each for each in self.book.all().values() if each.status is MissionStatus.RUNNING)
+        if any(mission.robot == robot for mission in running):
+            self._stopped.add(robot)
+            self.wake()
+
+    def has_work(self, robot: str) -> bool:
+        """Return whether a robot is on a mission that is not held."""
+        at_work = (MissionStatus.RUNNING, MissionStatus.CANCELING)
+        return any(mission.robot == robot and mission.status in at_work for mission in self.book.all().values())
+
+    async def close(self) -> None:
+        """Follow no more. Goals that were sent go on, and are found again."""
+        await self._tasks.close()
+
+    async def _run(self) -> None:
+        synced = 0.0
+        loop = asyncio.get_running_loop()
+        while True:
+            self._woken.clear()
+            try:
+                if loop.time() - synced >= SYNC_INTERVAL and await self.book.sync():
+                    synced = loop.time()
+                self._look()
+            except Exception:
+                log.exception("while looking at missions")
+            try:
+                async with asyncio.timeout(INTERVAL if self.book.all() else SYNC_INTERVAL):
+                    await self._woken.wait()
+            except TimeoutError:
+                pass
+
+    def _look(self) -> None:
+        """Let each robot go on with its mission, or begin the one whose turn it is."""
+        of_robots: dict[str, list[tuple[str, MissionEntry]]] = {}
+        for mission_id, mission in self.book.all().items():
+            if self._share.covers_robot(mission.robot):
+                of_robots.setdefault(mission.robot, []).append((mission_id, mission))
+        for robot, missions in of_robots.items():
+            queue = sorted(missions, key=lambda item: (not item[1].active, *item[1].turn, item[0]))
+            ready = [key for key, mission in queue if mission.active or mission.status is MissionStatus.QUEUED]
+            for mission_id, mission in queue:
+                if mission_id not in ready[:1]:
+                    self.book.waits[mission_id] = WaitsFor.TURN if mission.held_for is None else WaitsFor.CONTINUE
+            if ready and robot not in self._busy:
+                self._busy.add(robot)
+                self._tasks.spawn(self._follow(robot, ready[0]))
+
+    async def _follow(self, robot: str, mission_id: str) -> None:
+        """Take a mission as far as it goes now."""
+        try:
+            while (mission := self.book.get(mission_id)) is not None:
+                wait = await self._take_step(mission_id, mission)
+                if wait is not None:
+                    self.book.waits[mission_id] = wait.reason
+                    self._wake_at(wait.until)
+                    return
+        except Unavailable:  # of the history: nothing is done that could not be stored
+            self.book.waits[mission_id] = WaitsFor.HISTORY
+        finally:
+            self._busy.discard(robot)
+            if self.book.get(mission_id) is None:
+                self.wake()  # it is the next one's turn
+
+    def _wake_at(self, time: datetime | None) -> None:
+        if time is not None and (delay := (time - utc_now()).total_seconds()) < INTERVAL:
+            asyncio.get_running_loop().call_later(max(delay, 0.0), self.wake)
+
+    async def _take_step(self, mission_id: str, mission: MissionEntry) -> Wait | None:
+        """Make one move; return what the mission waits for, or None if it goes on.
+
+        Raises:
+            Unavailable: The history does not answer.
+        """
+        if mission.status is MissionStatus.QUEUED:
+            started = await self.book.change(mission_id, mission, progress.start(mission, utc_now()))
+            return None if started else Wait(WaitsFor.TURN)
+        facts = await self._facts(mission_id, mission)
+        move = next_move(mission, facts, utc_now())
+        match move:
+            case Change(after):
+                await self.book.change(mission_id, mission, after)
+                if after.status is not MissionStatus.RUNNING:
+                    self._stopped.discard(mission.robot)
+                return None
+            case Send():
+                return await self._send(mission_id, mission)
+            case Cancel():
+                return await self._cancel(facts.goal)
+            case Wait():
+                return move
+
+    async def _facts(self, mission_id: str, mission: MissionEntry) -> Facts:
+        step, robot = mission.current, mission.robot
+        goal = (
+            await self._goal(mission_id, mission) if step.status is StepStatus.RUNNING and step.wait is None else None
+        )
+        battery = None
+        if robot in self._robots:
+            latest = self._robots.get(robot).battery
+            battery = latest.reading.percentage if latest.age is not None and latest.stale_since is None else None
+        others = (each for each in self._actions.running() if each.goal_id != step.goal_id)
+        return Facts(
+            stopped=robot in self._stopped or self._interlock.holds(robot),
+            other_goal=any(self._is_of(robot, each.action_name) for each in others),
+            battery=battery,
+            goal=goal,
+            given_up=goal is not None and goal.goal_id in self._given_up,
+        )
+
+    def _is_of(self, robot: str, action_name: str) -> bool:
+        owner = self._robots.owner(action_name)
+        return owner is not None and owner.namespace == robot
+
+    async def _goal(self, mission_id: str, mission: MissionEntry) -> Goal | None:
+        """Return the goal of the present step, which may have been sent before a restart; None if there is none."""
+        goal_id = mission.current.goal_id
+        if goal_id is None:
+            return await self._history.by_key(_key(mission_id, mission))
+        try:
+            return await self._goals.get(goal_id)
+        except NotFound:
+            return None
+
+    async def _send(self, mission_id: str, mission: MissionEntry) -> Wait | None:
+        """Send the goal of the present step, or find it again; return what the mission waits for.
+
+        Raises:
+            Unavailable: The history does not answer.
+        """
+        step, now = mission.current, utc_now()
+        action = self._action(mission)
+        if action is None or not action.on_graph:
+            return Wait(WaitsFor.SERVER)
+        try:
+            message = await self._message(action, mission)
+            if mission.robot in self._stopped:
+                return None
+            # No wait from here to the submission, which notices every stop that comes later.
+            goal = await action.submitter.submit(message, _key(mission_id, mission), sender=None)
+        except (Unavailable, TooManyRequests) as error:
+            if error.code == "history_unavailable":
+                raise
+            return Wait(WaitsFor.SERVER)
+        except GatewayError as error:
+            reason = Reason(code=error.code, detail=error.detail)
+            known = mission.with_step(goal_id=error.extra.get("goal_id", step.goal_id))
+            stopped = isinstance(error, Conflict) and error.code in STOPS
+            after = (progress.hold_for_stop if stopped else progress.fail)(known, reason, now)
+        else:
+            after = mission.with_step(goal_id=goal.goal_id)
+        await self.book.change(mission_id, mission, after)
+        return None
+
+    async def _message(self, action: Action, mission: MissionEntry) -> Any:
+        step = mission.current
+        if step.verb is None:
+            return await action.read_goal(step.request)
+        return action.read_docking_request(step.request)
+
+    def _action(self, mission: MissionEntry) -> Action | None:
+        step = mission.current
+        if step.action is not None:
+            return self._actions.get(step.action.name)
+        return self._actions.get(self._robot_actions.docking_name(step.verb or "dock", mission.robot))
+
+    async def _cancel(self, goal: Goal | None) -> Wait:
+        """Cancel the goal of a step. It is asked for again until the goal has ended."""
+        action = None if goal is None else self._actions.get(goal.action_name)
+        if goal is not None and action is not None:
+            try:
+                await action.canceler.cancel(goal)
+            except GatewayError as error:
+                log.info("while canceling the goal %s of a mission: %s", goal.goal_id, error.detail)
+        if goal is not None and (action is None or goal.status is GoalStatus.LOST):
+            self._given_up.add(goal.goal_id)
+        return Wait(WaitsFor.GOAL)
+
+
+def _key(mission_id: str, mission: MissionEntry) -> str:
+    """Return the idempotency key of the goal of a mission's present step and try."""
+    return f"mission-{mission_id}-{mission.step}-{mission.current.attempt}"
