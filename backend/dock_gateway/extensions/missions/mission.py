@@ -147,7 +147,7 @@ class MissionEntry(MissionFields):
         """Return it as `GET /missions/{mission_id}` shows it."""
         return {
             "mission_id": mission_id,
-            **{name: getattr(self, name) for name in MissionFields.model_fields},
+            **self.model_dump(include=set(MissionFields.model_fields)),
             "waits_for": waits_for,
             "steps": [step.model_dump(exclude=set(STORED_ONLY)) for step in self.steps],
         }

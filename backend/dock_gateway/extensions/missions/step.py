@@ -4,11 +4,11 @@ from datetime import datetime, timedelta
 from enum import StrEnum
 from typing import Annotated, Any, Self
 
-from pydantic import AfterValidator, Field, WithJsonSchema, model_validator
+from pydantic import AfterValidator, Field, Strict, WithJsonSchema, model_validator
 
 from dock_gateway.core.goal import Verb
 from dock_gateway.http.bodies import expected
-from dock_gateway.http.queries import Time
+from dock_gateway.http.queries import TIME_PATTERN, Time
 from dock_gateway.http.schema import RosName, Schema
 from dock_gateway.setting_types import LONGEST_NAME, TOPIC
 
@@ -52,7 +52,7 @@ class WaitStep(Schema):
     """
 
     seconds: Annotated[float, Field(ge=0, le=LONGEST)] | None = None
-    until: Time | None = None
+    until: Annotated[Time, Strict(False), Field(json_schema_extra=TIME_PATTERN)] | None = None
     battery: Annotated[float, Field(gt=0, le=1)] | None = None
     person: bool = False
 

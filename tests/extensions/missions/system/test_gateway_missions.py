@@ -1,0 +1,193 @@
+"""Missions of real gateways: a robot that does one thing after the other, also if a gateway is killed in between."""
+
+import signal
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.support.gateway import (
+    CHARGING,
+    LOW,
+    RunningGateway,
+    ready_gateway,
+    running_dock_server,
+    running_gateway,
+    running_program,
+)
+from tests.support.waiting import PATIENCE, wait_until
+
+pytestmark = pytest.mark.ros
+
+DOCK: dict[str, Any] = {"dock": {}}
+FIBONACCI: dict[str, Any] = {"action": {"name": "/fibonacci", "goal": {"order": 4}}}
+
+
+def post(gateway: RunningGateway, *steps: dict[str, Any], **fields: Any) -> str:
+    """Queue a mission; return its id."""
+    answer = gateway.http.post("/missions", json={"steps": [*steps], **fields})
+    assert answer.status_code == 201, answer.text
+    mission_id: str = answer.json()["mission_id"]
+    return mission_id
+
+
+def mission(gateway: RunningGateway, mission_id: str) -> dict[str, Any]:
+    found: dict[str, Any] = gateway.http.get(f"/missions/{mission_id}").raise_for_status().json()
+    return found
+
+
+def until(gateway: RunningGateway, mission_id: str, status: str, **fields: Any) -> dict[str, Any]:
+    """Wait until a mission has a state, and these fields; return it."""
+    wanted = {"status": status, **fields}
+    deadline = time.monotonic() + PATIENCE
+    while not wanted.items() <= (found := mission(gateway, mission_id)).items():
+        assert time.monotonic() < deadline, found
+        time.sleep(0.05)
+    return found
+
+
+def change(gateway: RunningGateway, mission_id: str, verb: str) -> None:
+    gateway.http.post(f"/missions/{mission_id}/{verb}").raise_for_status()
+
+
+def goals(gateway: RunningGateway) -> list[dict[str, Any]]:
+    """The goals of all actions, oldest first."""
+    found: list[dict[str, Any]] = gateway.http.get("/goals").raise_for_status().json()["goals"]
+    return found[::-1]
+
+
+def test_one_step_after_the_other(domain: int) -> None:
+    with ready_gateway(domain) as gateway, running_program(domain, "fibonacci_action_server"):
+        wait_until(lambda: gateway.http.get("/actions/fibonacci").status_code == 200, "the action")
+        gateway.publish(LOW)
+        with gateway.stream("?include=missions") as stream:
+            first = post(gateway, DOCK, {"wait": {"seconds": 0.2}}, FIBONACCI, {"wait": {"person": True}}, name="Night")
+            second = post(gateway, FIBONACCI)
+            sooner = post(gateway, FIBONACCI, priority=90)
+            until(gateway, first, "running", waits_for="goal")
+            until(gateway, second, "queued", waits_for="turn")
+            gateway.publish(CHARGING)
+            until(gateway, first, "held", held_for="person", step=3)
+            assert [mission(gateway, each)["status"] for each in (second, sooner)] == ["queued", "queued"]
+            change(gateway, first, "continue")
+            for each in (first, sooner, second):
+                until(gateway, each, "succeeded")
+            ended = [
+                event["mission"]["mission_id"]
+                for event in [
+                    stream.until(lambda event: event["type"] == "mission" and event["mission"]["status"] == "succeeded")
+                    for _ in range(3)
+                ]
+            ]
+        assert ended == [first, sooner, second]
+        found = mission(gateway, first)
+        assert [step["status"] for step in found["steps"]] == 4 * ["succeeded"]
+        sent = goals(gateway)
+        assert [goal["goal_id"] for goal in sent[:2]] == [step["goal_id"] for step in found["steps"][::2]]
+        assert [goal["action_name"].rpartition("/")[2] for goal in sent[1:]] == 3 * ["fibonacci"]
+        assert {goal["origin"] for goal in sent} == {"automation"}
+
+
+def test_a_stop_holds_a_mission_until_somebody_continues_it(domain: int) -> None:
+    with ready_gateway(domain) as gateway:
+        gateway.publish(LOW)
+        docking = post(gateway, DOCK)
+        until(gateway, docking, "running", waits_for="goal")
+        gateway.http.post("/stop", json={"by": "Bob"}).raise_for_status()
+        held = until(gateway, docking, "held", held_for="stop", waits_for="stop_released")
+        until_error = lambda: mission(gateway, docking)["steps"][0]["error"]  # noqa: E731
+        assert wait_until(until_error, "the end of the goal")["code"] == "stopped"
+        assert gateway.http.post(f"/missions/{docking}/continue").json()["code"] == "stop_latched"
+        gateway.http.delete("/stop").raise_for_status()
+        until(gateway, docking, "held", waits_for="continue")
+        assert len(goals(gateway)) == 1
+        change(gateway, docking, "continue")
+        again = until(gateway, docking, "running", waits_for="goal")
+        assert again["steps"][0]["attempt"] == held["steps"][0]["attempt"] + 1
+        gateway.stop_once()  # one that does not stay holds it, too
+        until(gateway, docking, "held", held_for="stop")
+        waiting = post(gateway, {"wait": {"seconds": 600}})
+        until(gateway, waiting, "queued")  # the robot has a mission still
+        change(gateway, docking, "cancel")
+        until(gateway, docking, "canceled")
+        until(gateway, waiting, "running", waits_for="time")
+        gateway.stop_once()
+        until(gateway, waiting, "held", held_for="stop")
+        assert len(goals(gateway)) == 2
+
+
+def test_people_come_first(domain: int) -> None:
+    with ready_gateway(domain) as gateway:
+        gateway.publish(LOW)
+        theirs = gateway.http.post("/dock").raise_for_status().json()["goal_id"]
+        docking = post(gateway, DOCK, {"wait": {"seconds": 600}})
+        until(gateway, docking, "running", waits_for="other_goal")
+        gateway.http.post(f"/goals/{theirs}/cancel").raise_for_status()
+        found = until(gateway, docking, "running", waits_for="goal")
+        gateway.http.post(f"/goals/{found['steps'][0]['goal_id']}/cancel").raise_for_status()
+        until(gateway, docking, "held", held_for="canceled")
+        change(gateway, docking, "skip")
+        until(gateway, docking, "running", step=1)
+        change(gateway, docking, "cancel")
+        until(gateway, docking, "canceled")
+        assert gateway.http.post(f"/missions/{docking}/cancel").json()["code"] == "mission_ended"
+
+
+def test_a_goal_that_takes_too_long_or_is_canceled_with_its_mission(domain: int) -> None:
+    with ready_gateway(domain) as gateway:
+        gateway.publish(LOW)
+        late = post(gateway, {**DOCK, "timeout_s": 1.0})
+        found = until(gateway, late, "failed")
+        assert found["error"]["code"] == "step_timeout"
+        gateway.wait_for_goal(found["steps"][0]["goal_id"], "canceled")
+        canceled = post(gateway, DOCK)
+        until(gateway, canceled, "running", waits_for="goal")
+        change(gateway, canceled, "cancel")
+        found = until(gateway, canceled, "canceled")
+        gateway.wait_for_goal(found["steps"][0]["goal_id"], "canceled")
+
+
+@pytest.mark.parametrize("after", [0.0, 0.05, 0.3])
+def test_a_gateway_that_is_killed_sends_no_goal_twice(domain: int, tmp_path: Path, after: float) -> None:
+    kept = {"database_url": f"sqlite:///{tmp_path}/history.db", "spool_path": f"{tmp_path}/spool"}
+    with running_program(domain, "fibonacci_action_server", "-p", "step_period:=0.1"):
+        with running_gateway(domain, **kept) as first:
+            wait_until(lambda: first.http.get("/actions/fibonacci").status_code == 200, "the action")
+            patrol = post(first, *(3 * [FIBONACCI]), {"wait": {"seconds": 0.1}}, FIBONACCI)
+            time.sleep(after)
+            first.process.send_signal(signal.SIGKILL)
+            first.process.wait()
+        with running_gateway(domain, **kept) as second:
+            found = until(second, patrol, "succeeded")
+            sent = [goal["goal_id"] for goal in goals(second)]
+            assert sent == [step["goal_id"] for step in found["steps"] if step["action"] is not None]
+            assert [step["attempt"] for step in found["steps"]] == 5 * [1]
+
+
+def test_a_step_waits_for_its_server(domain: int) -> None:
+    with running_gateway(domain) as gateway:
+        later = post(gateway, FIBONACCI)
+        until(gateway, later, "running", waits_for="server")
+        with running_program(domain, "fibonacci_action_server"):
+            until(gateway, later, "succeeded")
+
+
+def test_two_gateways_on_one_database_carry_out_a_mission_once(domain: int, tmp_path: Path) -> None:
+    database = f"sqlite:///{tmp_path}/history.db"
+    with (
+        running_dock_server(domain),
+        running_program(domain, "fibonacci_action_server"),
+        running_gateway(domain, database_url=database) as first,
+        running_gateway(domain, database_url=database) as second,
+    ):
+        for gateway in (first, second):
+            wait_until(lambda gateway=gateway: gateway.http.get("/actions/fibonacci").status_code == 200, "the action")
+        patrol = post(first, *(4 * [FIBONACCI]))
+        for gateway in (first, second):
+            until(gateway, patrol, "succeeded")
+        assert len(goals(second)) == 4
+        change_at_other = post(second, {"wait": {"person": True}})
+        until(first, change_at_other, "held")
+        change(first, change_at_other, "continue")
+        until(second, change_at_other, "succeeded")

@@ -1,0 +1,186 @@
+"""What a mission does next, step by step."""
+
+from typing import Any
+
+import pytest
+
+from dock_gateway.core.goal import GoalStatus
+from dock_gateway.extensions.missions import progress
+from dock_gateway.extensions.missions.mission import HoldReason, MissionEntry, MissionStatus, StepStatus
+from dock_gateway.extensions.missions.progress import Cancel, Change, Facts, Send, Wait, WaitsFor, next_move
+from tests.extensions.missions.examples import DOCK, FIBONACCI, NOON, UNDOCK, after, begun, goal, queued
+
+
+def changed(mission: MissionEntry, facts: Facts = Facts(), seconds: float = 0.0) -> MissionEntry:  # noqa: B008 - frozen
+    move = next_move(mission, facts, after(seconds))
+    assert isinstance(move, Change), move
+    assert move.mission.revision > mission.revision
+    return move.mission
+
+
+def sent(*steps: dict[str, Any]) -> MissionEntry:
+    """A mission whose first step is a goal that was accepted at noon."""
+    mission = changed(begun(*steps))
+    assert next_move(mission, Facts(), NOON) == Send()
+    return mission.with_step(goal_id="goal")
+
+
+def ended(status: GoalStatus, code: str | None = None) -> Facts:
+    return Facts(goal=goal(status, code))
+
+
+def test_one_step_after_the_other() -> None:
+    mission = sent(DOCK, {"wait": {"seconds": 10}}, UNDOCK)
+    assert next_move(mission, ended(GoalStatus.EXECUTING), after(5)) == Wait(WaitsFor.GOAL)
+    mission = changed(mission, ended(GoalStatus.SUCCEEDED), 60)
+    assert (mission.step, mission.steps[0].status, mission.current.status) == (1, StepStatus.SUCCEEDED, "waiting")
+    mission = changed(mission, seconds=60)
+    assert next_move(mission, Facts(), after(61)) == Wait(WaitsFor.TIME, after(70))
+    mission = changed(mission, seconds=70)
+    mission = changed(mission, seconds=70).with_step(goal_id="other")
+    mission = changed(mission, ended(GoalStatus.SUCCEEDED), 90)
+    assert (mission.status, mission.step, mission.finished_at) == (MissionStatus.SUCCEEDED, 3, after(90))
+    assert [step.attempt for step in mission.steps] == [1, 1, 1]
+
+
+@pytest.mark.parametrize(
+    ("wait", "facts", "seconds"),
+    [
+        ({"seconds": 0}, Facts(), 0),
+        ({"until": "2026-11-30T13:00:30+01:00"}, Facts(), 30),
+        ({"battery": 0.8}, Facts(battery=0.8), 1),
+    ],
+)
+def test_what_ends_a_wait(wait: dict[str, Any], facts: Facts, seconds: float) -> None:
+    mission = changed(begun({"wait": wait}))
+    if seconds:
+        assert isinstance(next_move(mission, Facts(battery=0.79), after(seconds - 1)), Wait)
+    assert changed(mission, facts, seconds).status is MissionStatus.SUCCEEDED
+
+
+def test_a_charge_that_is_unknown_is_waited_for() -> None:
+    assert next_move(changed(begun({"wait": {"battery": 0.1}})), Facts(), after(1e6)) == Wait(WaitsFor.BATTERY)
+
+
+def test_a_person_is_waited_for() -> None:
+    held = changed(begun({"wait": {"person": True}}, DOCK))
+    assert (held.status, held.held_for) == (MissionStatus.HELD, HoldReason.PERSON)
+    assert next_move(held, Facts(), after(1e6)) == Wait(WaitsFor.CONTINUE)
+    mission = progress.resume(held, after(9))
+    assert (mission.status, mission.step) == (MissionStatus.RUNNING, 1)
+
+
+def test_somebody_elses_goal_comes_first() -> None:
+    mission = begun(DOCK)
+    assert next_move(mission, Facts(other_goal=True), NOON) == Wait(WaitsFor.OTHER_GOAL)
+    assert isinstance(next_move(begun({"wait": {"seconds": 1}}), Facts(other_goal=True), NOON), Change)
+
+
+def test_a_step_is_tried_again_and_then_fails() -> None:
+    mission = sent(DOCK | {"tries": 2}, UNDOCK)
+    mission = changed(mission, ended(GoalStatus.ABORTED, "failed_to_charge"), 10)
+    assert next_move(mission, Facts(), after(11)) == Wait(WaitsFor.RETRY, after(15))
+    mission = changed(mission, seconds=15)
+    assert (mission.current.attempt, mission.current.goal_id) == (2, None)
+    mission = changed(mission.with_step(goal_id="other"), ended(GoalStatus.REJECTED), 20)
+    assert mission.error is not None
+    assert (mission.status, mission.error.code, mission.step) == (MissionStatus.FAILED, "goal_aborted", 0)
+
+
+def test_a_failure_that_does_not_matter() -> None:
+    mission = changed(sent(DOCK | {"on_failure": "next"}, UNDOCK), ended(GoalStatus.ABORTED, "no_dock"), 10)
+    assert (mission.status, mission.step, mission.steps[0].status) == (MissionStatus.RUNNING, 1, StepStatus.FAILED)
+
+
+def test_a_goal_that_takes_too_long_is_canceled_first() -> None:
+    mission = sent(FIBONACCI | {"timeout_s": 30})
+    assert next_move(mission, ended(GoalStatus.EXECUTING), after(29)) == Wait(WaitsFor.GOAL, after(30))
+    mission = changed(mission, ended(GoalStatus.EXECUTING), 30)
+    assert mission.current.status is StepStatus.RUNNING
+    assert next_move(mission, ended(GoalStatus.EXECUTING), after(30)) == Cancel()
+    failed = changed(mission, ended(GoalStatus.CANCELED), 31)
+    assert failed.error == progress.TIMEOUT
+    late = changed(mission, ended(GoalStatus.SUCCEEDED), 31)
+    assert late.status is MissionStatus.SUCCEEDED
+    lost = Facts(goal=goal(GoalStatus.LOST), given_up=True)
+    assert changed(mission, lost, 40).error == progress.TIMEOUT
+
+
+def test_a_server_that_never_comes() -> None:
+    mission = changed(begun(DOCK | {"timeout_s": 60}))
+    assert next_move(mission, Facts(), after(59)) == Send()
+    assert changed(mission, seconds=60).error == progress.TIMEOUT
+    forever = changed(begun(DOCK))
+    assert next_move(forever, Facts(), after(82_000)) == Send()
+    assert changed(forever, seconds=83_000).error == progress.UNSENT
+
+
+def test_a_goal_that_the_history_no_longer_has_is_not_sent_again() -> None:
+    assert changed(sent(DOCK)).error == progress.GONE
+
+
+def test_a_lost_goal_may_return() -> None:
+    mission = sent(DOCK)
+    assert next_move(mission, ended(GoalStatus.LOST), after(1e5)) == Wait(WaitsFor.LOST_GOAL)
+
+
+@pytest.mark.parametrize(
+    ("status", "code", "reason"),
+    [
+        (GoalStatus.CANCELED, "stopped", HoldReason.STOP),
+        (GoalStatus.ABORTED, "stopped", HoldReason.STOP),
+        (GoalStatus.REJECTED, "stopped", HoldReason.STOP),
+        (GoalStatus.CANCELED, None, HoldReason.CANCELED),
+    ],
+)
+def test_whoever_ends_a_goal_holds_the_mission(status: GoalStatus, code: str | None, reason: HoldReason) -> None:
+    held = changed(sent(DOCK), ended(status, code), 10)
+    assert (held.status, held.held_for, held.current.status) == (MissionStatus.HELD, reason, StepStatus.WAITING)
+    assert next_move(held, Facts(), after(1e6)) == Wait(WaitsFor.CONTINUE)
+    mission = changed(progress.resume(held, after(20)), seconds=20)
+    assert (mission.current.status, mission.current.attempt) == (StepStatus.RUNNING, 2)
+
+
+def test_a_stop_holds_a_mission_wherever_it_is() -> None:
+    for mission in (begun(DOCK), changed(begun({"wait": {"seconds": 9}})), sent(DOCK)):
+        held = changed(mission, Facts(stopped=True, goal=goal(GoalStatus.EXECUTING)), 1)
+        assert (held.status, held.held_for) == (MissionStatus.HELD, HoldReason.STOP)
+        assert next_move(held, Facts(stopped=True), after(2)) == Wait(WaitsFor.STOP_RELEASED)
+
+
+def test_a_goal_that_ends_while_its_mission_is_held() -> None:
+    held = changed(sent(DOCK, UNDOCK), Facts(stopped=True, goal=goal(GoalStatus.CANCELING)), 1)
+    again = changed(held, ended(GoalStatus.CANCELED, "stopped"), 2)
+    assert (again.status, again.current.status, again.step) == (MissionStatus.HELD, StepStatus.WAITING, 0)
+    arrived = changed(held, ended(GoalStatus.SUCCEEDED), 2)
+    assert (arrived.status, arrived.held_for, arrived.step) == (MissionStatus.HELD, HoldReason.STOP, 1)
+
+
+def test_a_pause_comes_before_the_next_step() -> None:
+    paused = progress.pause(sent(DOCK, UNDOCK))
+    assert next_move(paused, ended(GoalStatus.EXECUTING), NOON) == Wait(WaitsFor.GOAL)
+    held = changed(changed(paused, ended(GoalStatus.SUCCEEDED), 5), seconds=5)
+    assert (held.status, held.held_for, held.step) == (MissionStatus.HELD, HoldReason.PAUSED, 1)
+    assert progress.resume(held, NOON).status is MissionStatus.RUNNING
+    waiting = progress.pause(queued(DOCK))
+    assert (waiting.status, waiting.active) == (MissionStatus.HELD, False)
+    assert progress.resume(waiting, NOON).status is MissionStatus.QUEUED
+
+
+def test_a_step_is_left_out() -> None:
+    held = changed(sent(DOCK, UNDOCK), ended(GoalStatus.CANCELED), 5)
+    mission = progress.skip(held, after(6))
+    assert (mission.status, mission.step, mission.steps[0].status) == (MissionStatus.RUNNING, 1, StepStatus.SKIPPED)
+    assert progress.skip(held.model_copy(update={"steps": held.steps[:1]}), NOON).status is MissionStatus.SUCCEEDED
+
+
+def test_a_mission_is_canceled_with_its_goal() -> None:
+    canceling = progress.cancel(sent(DOCK, UNDOCK), after(5))
+    assert next_move(canceling, ended(GoalStatus.EXECUTING), after(5)) == Cancel()
+    assert next_move(canceling, ended(GoalStatus.LOST), after(5)) == Cancel()
+    for facts in (ended(GoalStatus.CANCELED), Facts(), Facts(goal=goal(GoalStatus.LOST), given_up=True)):
+        mission = changed(canceling, facts, 6)
+        assert (mission.status, mission.steps[0].status) == (MissionStatus.CANCELED, StepStatus.CANCELED)
+    arrived = changed(canceling, ended(GoalStatus.SUCCEEDED), 6)
+    assert (arrived.status, arrived.steps[0].status) == (MissionStatus.CANCELED, StepStatus.SUCCEEDED)
+    assert progress.cancel(queued(DOCK), NOON).status is MissionStatus.CANCELED

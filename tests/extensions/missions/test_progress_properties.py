@@ -1,0 +1,225 @@
+"""What holds of a mission whatever happens: goals that end or are lost, stops, people, and gateways that are killed."""
+
+from dataclasses import dataclass, field
+from datetime import timedelta
+from typing import Any
+
+from hypothesis import settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
+
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus
+from dock_gateway.extensions.missions import progress
+from dock_gateway.extensions.missions.mission import HoldReason, MissionEntry, MissionStatus, StepStatus
+from dock_gateway.extensions.missions.progress import Cancel, Change, Facts, Send, next_move
+from dock_gateway.extensions.missions.step import FailurePolicy
+from tests.extensions.missions.examples import DOCK, FIBONACCI, NOON, UNDOCK, begun
+
+ENDINGS = st.sampled_from([GoalStatus.SUCCEEDED, GoalStatus.SUCCEEDED, GoalStatus.ABORTED, GoalStatus.CANCELED])
+WAITS = [{"wait": {"seconds": 20}}, {"wait": {"battery": 0.5}}, {"wait": {"person": True}}]
+STEPS = st.builds(
+    lambda kind, tries, timeout, policy: kind | {"tries": tries, "timeout_s": timeout, "on_failure": policy},
+    st.sampled_from([DOCK, UNDOCK, FIBONACCI, *WAITS]),
+    st.integers(1, 3),
+    st.sampled_from([None, 30, 120]),
+    st.sampled_from(["end", "next"]),
+)
+
+
+@dataclass
+class Server:
+    """An action server with a gateway's history of goals: one goal for a key."""
+
+    goals: dict[tuple[int, int], Goal] = field(default_factory=dict)  # by step and try
+    asked_to_cancel: set[str] = field(default_factory=set)
+
+    def send(self, key: tuple[int, int]) -> Goal:
+        if key not in self.goals:
+            self.goals[key] = Goal(f"goal-{len(self.goals)}", "/dock", "pkg/action/T", NOON)
+            self.goals[key].status = GoalStatus.EXECUTING
+        return self.goals[key]
+
+    def find(self, goal_id: str | None) -> Goal | None:
+        return next((goal for goal in self.goals.values() if goal.goal_id == goal_id), None)
+
+    def running(self) -> list[Goal]:
+        return [goal for goal in self.goals.values() if not goal.status.final]
+
+
+class MissionMachine(RuleBasedStateMachine):
+    """One mission, two gateways that follow it, and what happens around it."""
+
+    @initialize(steps=st.lists(STEPS, min_size=1, max_size=5))
+    def begin(self, steps: list[dict[str, Any]]) -> None:
+        self.now = NOON
+        self.stored = begun(*steps)
+        self.copies = [self.stored, self.stored]  # what each gateway has read last
+        self.server = Server()
+        self.stopped = False
+        self.battery = 0.2
+        self.given_up: set[str] = set()
+        self.may_move = True  # not so after a stop until somebody continues
+        self.last_ended: MissionEntry | None = None
+
+    # ------------------------------------------------------------------ the gateways
+
+    def facts(self, mission: MissionEntry) -> Facts:
+        step = mission.current
+        goal = None
+        if step.status is StepStatus.RUNNING and step.wait is None:
+            key = (mission.step, step.attempt)
+            goal = self.server.goals.get(key) if step.goal_id is None else self.server.find(step.goal_id)
+        given_up = goal is not None and goal.goal_id in self.given_up
+        return Facts(stopped=self.stopped, battery=self.battery, goal=goal, given_up=given_up)
+
+    def store(self, gateway: int, after: MissionEntry) -> None:
+        """Store a change, unless another one was first."""
+        if self.copies[gateway].revision == self.stored.revision:
+            assert not self.stored.status.ended
+            self.stored = after
+        self.copies[gateway] = self.stored
+
+    @rule(gateway=st.integers(0, 1), killed=st.sampled_from([False, False, True]))
+    def move(self, gateway: int, killed: bool) -> None:
+        mission = self.copies[gateway]
+        if mission.status.ended:
+            self.copies[gateway] = self.stored
+            return
+        facts = self.facts(mission)
+        match next_move(mission, facts, self.now):
+            case Change(after):
+                assert after.revision > mission.revision
+                if not killed:
+                    self.store(gateway, after)
+            case Send():
+                key = (mission.step, mission.current.attempt)
+                if key not in self.server.goals:
+                    # A gateway whose copy is old might still ask: the key of a try that is over has its goal.
+                    assert mission.revision == self.stored.revision or key in self.server.goals
+                    assert self.may_move
+                goal = self.server.send(key)
+                if not killed:
+                    self.store(gateway, mission.with_step(goal_id=goal.goal_id))
+            case Cancel():
+                assert facts.goal is not None
+                self.server.asked_to_cancel.add(facts.goal.goal_id)
+                if facts.goal.status is GoalStatus.LOST:
+                    self.given_up.add(facts.goal.goal_id)
+
+    @rule(gateway=st.integers(0, 1))
+    def read(self, gateway: int) -> None:
+        self.copies[gateway] = self.stored
+
+    # ------------------------------------------------------------------ the world
+
+    @rule(seconds=st.sampled_from([1, 5, 20, 40, 200]))
+    def wait(self, seconds: int) -> None:
+        self.now += timedelta(seconds=seconds)
+
+    @rule(level=st.sampled_from([0.1, 0.9]))
+    def charge(self, level: float) -> None:
+        self.battery = level
+
+    @precondition(lambda self: self.server.running())
+    @rule(data=st.data(), status=ENDINGS)
+    def end(self, data: st.DataObject, status: GoalStatus) -> None:
+        goal = data.draw(st.sampled_from(self.server.running()))
+        goal.status = GoalStatus.CANCELED if goal.goal_id in self.server.asked_to_cancel else status
+        if self.stopped:
+            goal.status, goal.error = GoalStatus.CANCELED, GoalError("stopped", "a stop was requested")
+
+    @precondition(lambda self: self.server.running())
+    @rule(data=st.data())
+    def lose(self, data: st.DataObject) -> None:
+        data.draw(st.sampled_from(self.server.running())).status = GoalStatus.LOST
+
+    @rule()
+    def stop(self) -> None:
+        """A gateway has the stop at once, before it makes another move."""
+        self.stopped, self.may_move = True, False
+        for goal in self.server.running():
+            goal.status, goal.error = GoalStatus.CANCELED, GoalError("stopped", "a stop was requested")
+        self.copies = [self.stored, self.stored]
+
+    @rule()
+    def release(self) -> None:
+        if self.stored.status is not MissionStatus.RUNNING:  # the stop has held it, as a latched one does for certain
+            self.stopped = False
+
+    # ------------------------------------------------------------------ people
+
+    def revise(self, after: MissionEntry) -> None:
+        self.copies[0] = self.stored
+        self.store(0, after)
+
+    @precondition(lambda self: self.stored.status is MissionStatus.HELD and not self.stopped)
+    @rule(skip=st.sampled_from([False, False, True]))
+    def resume(self, skip: bool) -> None:
+        self.may_move = True
+        self.revise((progress.skip if skip else progress.resume)(self.stored, self.now))
+
+    @precondition(lambda self: self.stored.status is MissionStatus.RUNNING and not self.stored.pausing)
+    @rule()
+    def pause(self) -> None:
+        self.revise(progress.pause(self.stored))
+
+    @precondition(lambda self: self.stored.status in (MissionStatus.RUNNING, MissionStatus.HELD))
+    @rule(really=st.integers(0, 5))
+    def cancel(self, really: int) -> None:
+        if really == 0:
+            self.revise(progress.cancel(self.stored, self.now))
+
+    # ------------------------------------------------------------------ what holds
+
+    @invariant()
+    def each_step_is_carried_out_once(self) -> None:
+        done = [step for (step, _), goal in self.server.goals.items() if goal.status is GoalStatus.SUCCEEDED]
+        assert len(done) == len({*done})
+
+    @invariant()
+    def steps_come_in_order(self) -> None:
+        keys = [*self.server.goals]
+        assert keys == sorted(keys)
+        for step in self.stored.steps[: self.stored.step]:
+            final = (StepStatus.SUCCEEDED, StepStatus.SKIPPED)
+            assert step.status in final or (step.status is StepStatus.FAILED and step.on_failure is FailurePolicy.NEXT)
+        assert all(step.attempt == 0 for step in self.stored.steps[self.stored.step + 1 :])
+
+    @invariant()
+    def one_goal_runs_at_a_time(self) -> None:
+        running = [goal for goal in self.server.running() if goal.goal_id not in self.given_up]
+        assert len(running) <= 1
+
+    @invariant()
+    def an_ended_mission_stays_as_it_is(self) -> None:
+        if self.last_ended is not None:
+            assert self.stored == self.last_ended
+        if self.stored.status.ended:
+            self.last_ended = self.stored
+            assert self.stored.held_for is None
+            assert [goal for goal in self.server.running() if goal.goal_id not in self.given_up] == []
+
+    @invariant()
+    def a_held_mission_says_why(self) -> None:
+        assert (self.stored.status is MissionStatus.HELD) is isinstance(self.stored.held_for, HoldReason)
+
+    def teardown(self) -> None:
+        """With nothing in its way, it comes to its end."""
+        if not hasattr(self, "stored"):
+            return
+        self.stopped, self.battery, self.may_move = False, 1.0, True
+        for _ in range(200):
+            if self.stored.status.ended:
+                break
+            self.read(0)
+            if self.stored.status is MissionStatus.HELD:
+                self.revise(progress.resume(self.stored, self.now))
+            for goal in self.server.running():
+                goal.status = GoalStatus.SUCCEEDED
+            self.move(0, killed=False)
+            self.now += timedelta(seconds=10)
+        assert self.stored.status.ended
+
+
+MissionMachine.TestCase.settings = settings(max_examples=150, stateful_step_count=40, deadline=None)
+TestMission = MissionMachine.TestCase
