@@ -18,8 +18,6 @@ log = logging.getLogger(__name__)
 
 # Missions that have not ended, of all robots, and ended ones that are kept.
 MAX_MISSIONS, MAX_ENDED = 500, 1000
-# How often a change is made anew if another one was first.
-TRIES = 10
 
 Covers = Callable[[MissionEntry, Grant], bool]
 
@@ -133,14 +131,13 @@ class MissionBook(SharedEntries[MissionEntry]):
             Conflict: It has ended (`mission_ended`).
             Unavailable: The history does not answer (`history_unavailable`); nothing has changed.
         """
-        for _ in range(TRIES):
+        while True:
             before = await self.find(mission_id)
             if before.status.ended:
                 raise Conflict(f"the mission is {before.status.value}", code="mission_ended")
             after = revise(before)
             if after is before or await self.change(mission_id, before, after):
                 return after
-        raise Conflict("the mission changes too fast; try again", code="changed_meanwhile")
 
     async def find(self, mission_id: str) -> MissionEntry:
         """Return a mission.
