@@ -1,0 +1,128 @@
+"""`dock-gateway mission`: queues missions from files, follows them, and changes them."""
+
+import json
+import sys
+import time
+from typing import IO, Any
+
+import click
+
+from dock_gateway.cli.asking import asks, gateway, print_json, print_table, robot_option, wanted
+from dock_gateway.client import Client
+from dock_gateway.core.log_config import printable
+
+# Seconds between two looks at a mission that is followed.
+INTERVAL = 1.0
+ENDED = ("succeeded", "failed", "canceled")
+
+
+@click.group()
+def mission() -> None:
+    """Let a robot do one thing after the other."""
+
+
+@mission.command()
+@click.argument("file", type=click.File("rb"))
+@robot_option
+@click.option("--no-wait", is_flag=True, help="Do not follow it.")
+@asks
+def run(file: IO[bytes], robot: str | None, no_wait: bool) -> None:
+    """Queue the mission in a JSON file, and follow it to its end; `-` reads it from stdin.
+
+    Ctrl-C ends the command, not the mission. The exit code is 1 if it does not succeed.
+    """
+    try:
+        body = json.loads(file.read())
+    except ValueError as error:
+        raise click.BadParameter(f"it is no JSON: {error}", param_hint="FILE") from None
+    with gateway() as client:
+        found = client.request("POST", "/missions", body, params={} if robot is None else {"robot": robot})
+        if not no_wait:
+            found = _follow(client, found)
+    if wanted("as_json"):
+        print_json(found)
+    elif no_wait:
+        click.echo(found["mission_id"])
+    if found["status"] in ("failed", "canceled"):
+        sys.exit(1)
+
+
+def _follow(client: Client, found: dict[str, Any]) -> dict[str, Any]:
+    """Print what a mission does until it ends; return it as it is then."""
+    said = ""
+    while True:
+        if (line := _line(found)) != said and not wanted("as_json"):
+            click.echo(printable(said := line))
+        if found["status"] in ENDED:
+            return found
+        time.sleep(INTERVAL)
+        found = client.request("GET", f"/missions/{found['mission_id']}")
+
+
+def _line(found: dict[str, Any]) -> str:
+    """Return the state of a mission in a line."""
+    status, steps = found["status"], found["steps"]
+    if status in ENDED:
+        why = f": {found['error']['detail']}" if found["error"] else ""
+        return f"{found['mission_id']} {status}{why}"
+    place = f"step {found['step'] + 1} of {len(steps)}, {_kind_of(steps[found['step']])}"
+    held = (
+        f", for {found['held_for']}: dock-gateway mission continue {found['mission_id']}" if found["held_for"] else ""
+    )
+    return f"{found['mission_id']} {status}: {place}{held}"
+
+
+def _kind_of(step: dict[str, Any]) -> str:
+    """Return what a step does, in a word or two."""
+    if step["action"] is not None:
+        return f"action {step['action']['name']}"
+    return next(kind for kind in ("dock", "undock", "wait") if step[kind] is not None)
+
+
+@mission.command(name="list")
+@robot_option
+@click.option("--all", "everything", is_flag=True, help="Also those that have ended, up to 50 of all.")
+@asks
+def list_missions(robot: str | None, everything: bool) -> None:
+    """List the missions that have not ended, newest first."""
+    params: dict[str, Any] = {} if robot is None else {"robot": robot}
+    if not everything:
+        params["status"] = ["queued", "running", "held", "canceling"]
+    with gateway() as client:
+        found = client.request("GET", "/missions", params=params)
+    if wanted("as_json"):
+        print_json(found)
+        return
+    rows = [
+        (each["mission_id"], each["robot"], each["name"] or "", each["status"], f"{each['step']}/{len(each['steps'])}")
+        for each in found["missions"]
+    ]
+    print_table(("MISSION", "ROBOT", "NAME", "STATUS", "STEP"), rows, "no missions")
+
+
+def _change(verb: str, help_text: str) -> click.Command:
+    """Return the command that changes a mission."""
+
+    @click.command(name=verb, help=help_text)
+    @click.argument("mission_id")
+    @asks
+    def change(mission_id: str) -> None:
+        with gateway() as client:
+            found = client.request("POST", f"/missions/{mission_id}/{verb}")
+        if wanted("as_json"):
+            print_json(found)
+        else:
+            click.echo(printable(_line(found)))
+
+    return change
+
+
+for each in (
+    _change("pause", "Hold a mission before its next step."),
+    _change("continue", "Let a mission that is held go on."),
+    _change("skip", "Let a mission that is held go on without its step."),
+    _change("cancel", "End a mission; the goal of its step is canceled first."),
+):
+    mission.add_command(each)
+
+COMMANDS = (mission,)
