@@ -16,6 +16,7 @@ from dock_gateway.core.tasks import closed_by
 from dock_gateway.extension import Installed
 from dock_gateway.goals.goal_documents import GoalDocuments
 from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.known_robots import KnownRobots
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.further_ways import FurtherWays
 from dock_gateway.http.parts import Parts
@@ -115,6 +116,7 @@ def _open_overview(settings: HubSettings, parts: Parts, stack: AsyncExitStack) -
     parts.add(GoalDocuments, GoalDocuments(history))
     overview = parts.add(Overview, closed_by(stack, Overview(parts[Fanout], sites, goals, history)))
     parts.add(Robots, overview)
+    parts.add(KnownRobots, KnownRobots(settings, overview, labels, robot_actions, history))
     parts.add(Alerts, overview)
     parts.add(Present, overview)
 

@@ -16,6 +16,7 @@ from dock_gateway.audit.record import RequestRecord
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.goals.goal_documents import GoalDocuments
 from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.known_robots import KnownRobots
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.settings import Settings
@@ -23,7 +24,7 @@ from dock_gateway.storage import History
 from tests.support.audit import AuditList, audit_parts
 from tests.support.history import HistoryInMemory
 from tests.support.parts import Refusing
-from tests.support.robot_actions import make_robot_actions
+from tests.support.robot_actions import make_known_robots, make_robot_actions
 
 PASSWORD = "correct horse battery staple"
 Change = Callable[["Site"], Awaitable[Any]]
@@ -49,6 +50,7 @@ class Site:
                 GoalDocuments: GoalDocuments(history),
                 Quotas: Quotas(self.settings),
                 Goals: Goals(actions, make_robot_actions(self.settings), history),
+                KnownRobots: make_known_robots(history, "/"),
                 RobotActions: SimpleNamespace(choose_actions=self._all_actions, homed_in=lambda _: frozenset()),
             }
         )

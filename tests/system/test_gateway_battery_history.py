@@ -42,7 +42,7 @@ def test_what_was_published_is_there_at_once(gateway: RunningGateway) -> None:
     assert set(early["power_supply_status"]) == {3}
     assert len(early["time"]) <= 2
     assert {*early["voltage"]["min"], *early["voltage"]["mean"], *early["voltage"]["max"]} == {2.16}
-    assert gateway.http.get("/battery/history?robot=/gone").json()["time"] == []
+    assert gateway.http.get("/battery/history?robot=/gone").json()["code"] == "robot_not_found"
 
 
 @pytest.mark.parametrize(

@@ -135,7 +135,8 @@ def test_exports(gateway: RunningGateway, shared_domain: int) -> None:
     assert [row["goal_id"] for row in rows] == [each["goal_id"] for each in listed]
     assert (rows[1]["status"], rows[1]["goal"]) == ("succeeded", '{"order":6}')
     assert 0 < float(rows[1]["duration_s"]) < 60
-    assert gateway.http.get("/goals/export?robot=/robot5").json() == []
+    assert gateway.http.get("/goals/export?robot=/robot4&status=lost").json() == []
+    assert gateway.http.get("/goals/export?robot=/robot5").json()["code"] == "robot_not_found"
 
     for refused in (f"{export}?format=xlsx", "/goals/export?limit=1", "/goals/export?status=done"):
         assert gateway.http.get(refused).json()["code"] == "invalid_field"

@@ -2,6 +2,7 @@
 
 import re
 from base64 import b64decode, urlsafe_b64encode
+from collections.abc import Iterable
 from datetime import UTC, datetime, timedelta
 from typing import NamedTuple
 
@@ -25,6 +26,18 @@ class Cursor(NamedTuple):
         """Return it as text, which `read_cursor` reads."""
         text = f"{(self.time - _EPOCH) // _MICROSECOND} {self.id}"
         return urlsafe_b64encode(text.encode()).decode().rstrip("=")
+
+
+def newest(entries: Iterable[Cursor], limit: int, end: Cursor | None) -> tuple[list[Cursor], Cursor | None]:
+    """Return a page of a list that is in memory, newest first, and where it ends; None if it is the last one.
+
+    Args:
+        entries: The places of all entries.
+        limit: The length of a page.
+        end: Where the page before ended; None for the first one.
+    """
+    found = sorted((each for each in entries if end is None or each < end), reverse=True)
+    return found[:limit], found[limit - 1] if len(found) > limit else None
 
 
 def read_cursor(text: str) -> Cursor:

@@ -31,7 +31,7 @@ GOALS, EVENTS = 200, 500
 
 
 @router.get("/export", response_model=list[GoalAnswer], responses={200: {"description": "A file", "content": CSV}})
-@operation(Role.VIEWER, Scope.LISTED, Audit.ALWAYS, errors=(429,))
+@operation(Role.VIEWER, Scope.LISTED, Audit.ALWAYS, errors=(404, 429))
 async def export_goals(
     request: Request,
     goals: Part[Goals],

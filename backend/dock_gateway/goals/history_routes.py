@@ -34,7 +34,7 @@ router = APIRouter(route_class=ApiRoute, tags=["Goals"])
 
 
 @router.get("/goals", responses=WITH_POSITION)
-@operation(Role.VIEWER, Scope.LISTED, Audit.NEVER)
+@operation(Role.VIEWER, Scope.LISTED, Audit.NEVER, errors=(404,))
 async def list_goals(
     parts: AllParts, grant: TheGrant, wanted: GoalFilterQuery, *, limit: LimitQuery = 50, cursor: CursorQuery = None
 ) -> Answer[GoalPage]:

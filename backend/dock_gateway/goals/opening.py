@@ -12,6 +12,7 @@ from dock_gateway.goals.docking_hints import DockingHints
 from dock_gateway.goals.docks import Docks
 from dock_gateway.goals.goal_documents import GoalDocuments
 from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.known_robots import KnownRobots
 from dock_gateway.goals.limits import GoalLimits
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
@@ -52,6 +53,7 @@ async def open_goals(parts: Parts, stack: AsyncExitStack) -> None:
     history.on_loss = lambda: store_unfinished(actions, history)
     parts.add(Goals, Goals(actions, robot_actions, history))
     parts.add(GoalDocuments, GoalDocuments(history))
+    parts.add(KnownRobots, KnownRobots(settings, robots, parts[Labels], robot_actions, history))
     parts.add(Docks, closed_by(stack, Docks(bridge)))
     parts.add(DockingHints, DockingHints(settings, actions, robots))
     _follow_docking(parts)

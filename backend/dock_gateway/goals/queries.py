@@ -9,6 +9,7 @@ from pydantic import AfterValidator, StringConstraints
 
 from dock_gateway.core.goal import Origin, Verb
 from dock_gateway.core.namespace import read_namespace
+from dock_gateway.goals.known_robots import KnownRobots
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant
@@ -55,6 +56,7 @@ async def read_goal_filter(
     *,
     settings: Part[Settings],
     robot_actions: Part[RobotActions],
+    known_robots: Part[KnownRobots],
     grant: TheGrant,
     robot: BelowQuery = None,
     action: ActionsQuery = None,
@@ -71,10 +73,12 @@ async def read_goal_filter(
 
     Raises:
         InvalidField: A value is invalid.
+        NotFound: There is and was no such robot (`robot_not_found`).
         Unavailable: The history does not answer (`history_unavailable`).
     """
     namespace = "/" if robot is None else read_namespace(robot)
     under = None if robot is None else namespace
+    await known_robots.require(robot, grant)
     group = None if group is None else group.strip()
     return GoalFilter(
         action_names=frozenset(settings.resolve(name, under) for name in action or ()),

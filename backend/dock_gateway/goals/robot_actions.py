@@ -120,6 +120,22 @@ class RobotActions:
         """Return whether an action is one of the robots in a namespace or below, or one that all robots share."""
         return action_name in self.catalog.shared or self.catalog.place_of(action_name).startswith(prefix_of(namespace))
 
+    def on_graph_below(self, namespace: str) -> bool:
+        """Return whether an action that the gateway has joined is in a namespace or below."""
+        return self._any_below(self._actions, namespace)
+
+    async def had_goals(self, namespace: str) -> bool:
+        """Return whether the history has goals of a namespace or below.
+
+        Raises:
+            Unavailable: The history does not answer (`history_unavailable`).
+        """
+        return self._any_below(await self._history.action_names(), namespace)
+
+    def _any_below(self, names: Iterable[str], namespace: str) -> bool:
+        prefix = prefix_of(namespace)
+        return any(self.catalog.place_of(name).startswith(prefix) for name in names)
+
     def homed_in(self, robot: str | None) -> frozenset[str]:
         """Return the actions elsewhere that belong to robots in a namespace; none without one, as all are meant then.
 

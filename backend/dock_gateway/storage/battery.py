@@ -99,6 +99,11 @@ def _tally(value: float | None) -> FieldTally:
     return FieldTally() if value is None else FieldTally(1, value, value, value)
 
 
+def has_battery(connection: sa.Connection, robot: str) -> bool:
+    """Return whether a battery state of a robot is stored."""
+    return bool(connection.scalar(sa.select(sa.exists().where(IS_BATTERY, events.c.robot == robot))))
+
+
 _STAMP = sa.func.substr(events.c.id, 1, STAMP_DIGITS)
 _STATUS = "power_supply_status"
 _RECKON = (sa.func.count, sa.func.sum, sa.func.min, sa.func.max)  # in the order of the fields of Tally

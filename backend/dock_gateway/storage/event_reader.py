@@ -38,6 +38,15 @@ class EventReader:
         yield from self._waiting.events.values()
         yield from self._waiting.droppable.values()
 
+    async def has_battery(self, robot: str) -> bool:
+        """Return whether there is a battery state of a robot.
+
+        Raises:
+            Unavailable: The database does not answer.
+        """
+        waits = any(event.topic == "battery" and event.robot == robot for event in self._all_that_wait())
+        return waits or await self._reader.read(battery.has_battery, robot)
+
     async def after(
         self, event_id: str, *, goal_id: str | None, action_name: str | None, topics: frozenset[str], limit: int
     ) -> LaterEvents:

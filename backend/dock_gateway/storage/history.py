@@ -318,6 +318,10 @@ class History:
         """Return whether no event of a goal has been dropped."""
         return await self._events.knows_all_of(goal)
 
+    async def has_battery(self, robot: str) -> bool:
+        """Return whether there is a battery state of a robot."""
+        return await self._events.has_battery(robot)
+
     async def battery(self, span: BatterySpan) -> list[Bucket]:
         """Return the battery states of a span in buckets, oldest first; empty buckets are left out."""
         return await self._events.battery(span)

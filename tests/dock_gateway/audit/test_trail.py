@@ -20,6 +20,7 @@ from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.request import PERMIT, acts_on
 from dock_gateway.extension import Installed, extensions
 from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.known_robots import KnownRobots
 from dock_gateway.http.operation import operation_of
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
@@ -34,6 +35,7 @@ from dock_gateway.streams.socket import OPERATIONS
 from tests.support.audit import AuditList
 from tests.support.history import HistoryInMemory
 from tests.support.permits import permit
+from tests.support.robot_actions import make_known_robots
 
 GOAL = "7d9c1c9e-0000-4000-8000-00000000000a"
 
@@ -53,6 +55,7 @@ class Site:
                 Settings: self.settings,
                 Installed: extensions(),
                 History: self.history,
+                KnownRobots: make_known_robots(self.history, "/", "/robot7"),
                 RequestRecord: self.audit,
                 Subjects: Subjects(self.settings, self.running.get, lambda: ["/robot7"]),
                 Logins: logins,

@@ -11,10 +11,11 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.extension import extensions
 from dock_gateway.goals.goal_documents import GoalDocuments
 from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.known_robots import KnownRobots
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.storage import History
 from tests.support.history import HistoryInMemory, make_goal
-from tests.support.robot_actions import make_robot_actions
+from tests.support.robot_actions import make_known_robots, make_robot_actions
 from tests.support.route_client import RouteClient
 
 GOAL = "00000000-0000-4000-8000-000000000001"
@@ -39,6 +40,7 @@ class Client(RouteClient):
                 Goals: Goals(live, actions, self.history),
                 GoalDocuments: documents,
                 RobotActions: actions,
+                KnownRobots: make_known_robots(self.history),
             }
         )
 

@@ -41,6 +41,9 @@ def test_reading_is_for_admins_and_recorded(site: Site) -> None:
         assert ([record["sequence"] for record in second["records"]], second["next_cursor"]) == ([3, 2, 1], None)
         assert http.get("/audit", params={"outcome": "refused"}).json()["records"] == []
         assert http.get("/audit", params={"robot": "/robot1", "what": "dock"}).json()["records"]
+        assert http.get("/audit", params={"robot": "/robot1", "what": "undock"}).json()["records"] == []
+        for path in ("/audit", "/audit/export"):
+            assert http.get(path, params={"robot": "/robto1"}).json()["code"] == "robot_not_found"
         for wrong in ({"outcome": "x"}, {"robot": "a b"}, {"goal_id": "x"}, {"cursor": "0"}, {"who": "x"}):
             assert http.get("/audit", params=wrong).status_code == 422
         site.audit.entries.clear()

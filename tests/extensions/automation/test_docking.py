@@ -252,7 +252,7 @@ async def test_without_the_history_nothing_docks(site: Site, caplog: pytest.LogC
     with pytest.raises(Unavailable):
         await gateway.documents()
     with pytest.raises(Unavailable):
-        await gateway.decisions.newest(robot=None, rule_id=None, goal_id=None, limit=1)
+        await gateway.decisions.page(limit=1)
     with pytest.raises(Unavailable):
         await gateway.replace("low", changed(AT_ONCE, mode=RuleMode.OFF))
     assert sum("no automatic docking" in line for line in caplog.messages) == 1

@@ -14,8 +14,10 @@ from dock_gateway.extensions.automation.decisions import DecisionLog
 from dock_gateway.extensions.automation.docking import AutomaticDocking
 from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.fleet.fleet import Fleet
+from dock_gateway.goals.known_robots import KnownRobots
 from dock_gateway.storage.shared_entries import SharedBook
 from tests.support.history import HistoryInMemory
+from tests.support.robot_actions import make_known_robots
 from tests.support.route_client import RouteClient
 from tests.support.versions import STEPS, Resource, Step, require_that_nothing_is_lost
 
@@ -44,7 +46,7 @@ class Client(RouteClient):
             rules=SharedBook(self.history.documents("rule", RuleEntry), "rule", 2),
             decisions=DecisionLog(Fanout(queue_limit=1), self.history.documents("decision", Decision)),
         )
-        super().__init__({AutomaticDocking: docking})
+        super().__init__({AutomaticDocking: docking, KnownRobots: make_known_robots(self.history, "/", "/robot1")})
 
     def put(self, rule: object, status: int = 200, rule_id: str = "night") -> Any:
         path = "/automation/rules/{rule_id}"
@@ -121,7 +123,7 @@ def test_there_is_a_limit(client: Client) -> None:
 async def test_decisions_are_found_by_robot_rule_and_goal(client: Client) -> None:
     now = utc_now()
     goal_id = "6a8c2b0a-5c63-4d0e-9c1e-0d7a9c4d5e6f"
-    for identity, rule_id, robot in (("a", "low", "/robot1"), ("b", "night", "/robot1"), ("c", "night", "/")):
+    for identity, rule_id, robot in (("a", "low", "/robot1"), ("b", "night", "/robot1"), ("c", "night", "/gone")):
         sent = goal_id if identity == "b" else None
         facts = (0.1, now, None, sent, None, None)
         decision = Decision(rule_id, rule_id, robot, now, DecisionOutcome.SENT, *facts, open=True)
@@ -133,8 +135,13 @@ async def test_decisions_are_found_by_robot_rule_and_goal(client: Client) -> Non
     assert found() == ["c", "b", "a"]
     assert found("?robot=/robot1&rule=low") == ["a"]
     assert found(f"?goal_id={goal_id.replace('-', '').upper()}") == ["b"]
-    assert found("?limit=1") == ["c"]
-    for query in ("?limit=0", "?robot=ro%20bot", "?goal_id=1", "?goal=1"):
+    pages = [client.get("decisions", query="?limit=2")]
+    pages.append(client.get("decisions", query=f"?limit=2&cursor={pages[0]['next_cursor']}"))
+    assert [[each["id"] for each in page["decisions"]] for page in pages] == [["c", "b"], ["a"]]
+    assert pages[1]["next_cursor"] is None
+    assert found("?robot=/gone&rule=low") == []
+    assert client.get("decisions", 404, "?robot=/robto1")["code"] == "robot_not_found"
+    for query in ("?limit=0", "?robot=ro%20bot", "?goal_id=1", "?goal=1", "?cursor=x"):
         client.get("decisions", 422, query)
 
 

@@ -17,11 +17,13 @@ from dock_gateway.extensions.statistics.routes import MAX_DAYS, MAX_ERRORS, desc
 from dock_gateway.extensions.statistics.tally import Tally
 from dock_gateway.goals.goal_documents import GoalDocuments
 from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.known_robots import KnownRobots
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.robots.labels import Labels, RobotLabel
 from dock_gateway.settings import Settings
 from dock_gateway.storage import GoalFilter, History
 from tests.support.history import HistoryInMemory, make_goal
+from tests.support.robot_actions import make_known_robots
 from tests.support.route_client import RouteClient
 
 BERLIN = ZoneInfo("Europe/Berlin")
@@ -43,6 +45,7 @@ class Client(RouteClient):
         documents = GoalDocuments(self.history)
         documents.fields |= dict.fromkeys(extensions().goal_fields)
         parts = {History: self.history, Goals: goals, GoalDocuments: documents, RobotActions: robot_actions}
+        parts[KnownRobots] = make_known_robots(self.history, "/", "/robot1")
         super().__init__(parts)
 
     def record(self, at: str, status: GoalStatus = S.SUCCEEDED, took: float = 10.0, **more: Any) -> None:
@@ -188,7 +191,8 @@ def test_docking_takes_longer_than_the_week_before(client: Client) -> None:
     assert [median for median in slow["days"] if median is not None] == [22.0, 33.0]
     assert len(client.get(f"{slow['now']['goals_path']}&status=succeeded")["goals"]) == 8
     assert [each["robot"] for each in client.get("/statistics/docking-time?group=hall+1")["robots"]] == ["/few"]
-    assert client.get("/statistics/docking-time?robot=/none")["robots"] == []
+    assert client.get("/statistics/docking-time?robot=/robot1")["robots"] == []
+    assert client.get("/statistics/docking-time?robot=/none", 404)["code"] == "robot_not_found"
 
 
 @pytest.mark.parametrize("by", ["day", "robot", "action"])

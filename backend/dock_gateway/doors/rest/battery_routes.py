@@ -11,6 +11,7 @@ from dock_gateway.core.event import moment, nanoseconds, utc_now
 from dock_gateway.core.goal import fragment
 from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
+from dock_gateway.goals.known_robots import KnownRobots
 from dock_gateway.http.openapi import UNSTABLE, battery_body, body
 from dock_gateway.http.operation import Scope, carries_out, operation
 from dock_gateway.http.parts import AllParts, Part
@@ -97,11 +98,13 @@ async def stop_publisher(parts: AllParts, principal: ThePrincipal, robot: RobotQ
 
 
 @router.get("/battery/history", openapi_extra=UNSTABLE)
-@operation(Role.VIEWER, Scope.ROBOT)
+@operation(Role.VIEWER, Scope.ROBOT, errors=(404,))
 async def battery_history(
     robots: Part[RobotRegistry],
+    known_robots: Part[KnownRobots],
     settings: Part[Settings],
     history: Part[History],
+    grant: TheGrant,
     *,
     robot: RobotQuery = None,
     since: SinceQuery = None,
@@ -112,6 +115,7 @@ async def battery_history(
 
     `until` defaults to now, and `since` to five minutes before `until`.
     """
+    await known_robots.require(robot, grant)
     namespace = robots.default_namespace if robot is None else read_namespace(robot)
     until = until or utc_now()
     since = since or until - DEFAULT_SPAN

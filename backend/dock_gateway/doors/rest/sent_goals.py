@@ -113,7 +113,7 @@ def routes_of(goals: GoalCollection) -> APIRouter:
         return await answer_sent(request, parts, action, goal, wait)
 
     @router.get("", name=listing, include_in_schema=goals.listed, responses=WITH_POSITION)
-    @operation(Role.VIEWER, Scope.LISTED, Audit.NEVER)
+    @operation(Role.VIEWER, Scope.LISTED, Audit.NEVER, errors=(404,))
     async def list_sent(
         parts: AllParts,
         grant: TheGrant,

@@ -13,6 +13,7 @@ from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.core.grant import Role
 from dock_gateway.goals import history_routes
 from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.known_robots import KnownRobots
 from dock_gateway.goals.queries import read_goal_filter
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
@@ -93,6 +94,7 @@ async def list_goals(parts: Parts, principal: Principal, fields: Fields) -> Fiel
     wanted = await read_goal_filter(
         settings=parts[Settings],
         robot_actions=parts[RobotActions],
+        known_robots=parts[KnownRobots],
         grant=principal.grant,
         robot=fields.get("robot"),
         action=None if action is None else [action],

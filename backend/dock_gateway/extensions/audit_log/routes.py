@@ -9,14 +9,17 @@ from pydantic import StringConstraints
 from starlette.responses import Response
 
 from dock_gateway.core.audit import AuditFilter, AuditRow, RequestOutcome
+from dock_gateway.core.errors import NotFound
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.extensions.audit_log.schema import AuditPage, AuditRecord
+from dock_gateway.goals.known_robots import KnownRobots
 from dock_gateway.http.downloads import CSV, FormatQuery, download
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Part
+from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.queries import SinceQuery, UntilQuery
 from dock_gateway.http.requests import GOAL_ID, Answer, AnyRobotQuery, LimitQuery, json_response, read_goal_id
 from dock_gateway.http.route import ApiRoute
@@ -34,6 +37,9 @@ Text = Annotated[str, StringConstraints(min_length=1, max_length=100, pattern=r"
 
 async def read_audit_filter(
     *,
+    history: Part[History],
+    known_robots: Part[KnownRobots],
+    grant: TheGrant,
     principal: Annotated[Text | None, Query(description="Only with the token of this name")] = None,
     what: Annotated[Text | None, Query(description="Only this operation, such as `release_stop`")] = None,
     robot: AnyRobotQuery = None,
@@ -49,11 +55,18 @@ async def read_audit_filter(
 
     Raises:
         InvalidField: A value is invalid.
+        NotFound: There is and was no such robot, and no record is about it (`robot_not_found`).
     """
+    namespace = None if robot is None else read_namespace(robot)
+    try:
+        await known_robots.require(robot, grant)
+    except NotFound:
+        if not await history.audit.page(AuditFilter(robot=namespace), limit=1):
+            raise
     return AuditFilter(
         principal,
         what,
-        None if robot is None else read_namespace(robot),
+        namespace,
         None if goal_id is None else read_goal_id(goal_id),
         outcome,
         since,
@@ -65,7 +78,7 @@ AuditFilterQuery = Annotated[AuditFilter, Depends(read_audit_filter)]
 
 
 @router.get("", name="list_audit")
-@operation(Role.ADMIN, Scope.EVERY, Audit.ALWAYS)
+@operation(Role.ADMIN, Scope.EVERY, Audit.ALWAYS, errors=(404,))
 async def list_audit(
     history: Part[History],
     wanted: AuditFilterQuery,
@@ -85,7 +98,7 @@ async def list_audit(
     response_model=list[AuditRecord],
     responses={200: {"description": "A file", "content": CSV}},
 )
-@operation(Role.ADMIN, Scope.EVERY, Audit.ALWAYS, errors=(429,))
+@operation(Role.ADMIN, Scope.EVERY, Audit.ALWAYS, errors=(404, 429))
 async def export_audit(
     request: Request,
     history: Part[History],

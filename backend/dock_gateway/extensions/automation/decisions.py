@@ -6,6 +6,7 @@ from dataclasses import replace
 from datetime import datetime
 from typing import Any
 
+from dock_gateway.core.cursor import Cursor, newest
 from dock_gateway.core.event import fleet_event, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.grant import UNLIMITED, Grant
@@ -100,24 +101,43 @@ class DecisionLog(SharedEntries[Decision]):
             if decision.outcome is DecisionOutcome.SENDING and decision.decided_at < before
         }
 
-    async def newest(
-        self, *, robot: str | None, rule_id: str | None, goal_id: str | None, limit: int, grant: Grant = UNLIMITED
-    ) -> list[dict[str, Any]]:
+    async def page(
+        self,
+        *,
+        robot: str | None = None,
+        rule_id: str | None = None,
+        goal_id: str | None = None,
+        limit: int,
+        end: Cursor | None = None,
+        grant: Grant = UNLIMITED,
+    ) -> tuple[list[dict[str, Any]], Cursor | None]:
         """Return the decisions of a grant as `GET /automation/decisions` shows them, newest first.
+
+        Args:
+            robot: Only about this robot.
+            rule_id: Only of this rule.
+            goal_id: Only the one that sent this goal.
+            limit: The length of a page.
+            end: Where the page before ended; None for the first one.
+            grant: The grant of who asks.
+
+        Returns:
+            The page, and where it ends; None if it is the last one.
 
         Raises:
             Unavailable: The history does not answer (`history_unavailable`).
         """
         decisions = await self.read()
         found = [
-            (decision.decided_at, identity)
+            Cursor(decision.decided_at, identity)
             for identity, decision in decisions.items()
             if robot in (None, decision.robot)
             and rule_id in (None, decision.rule_id)
             and goal_id in (None, decision.goal_id)
             and grant.covers_robot(decision.robot)
         ]
-        return [_document(identity, decisions[identity]) for _, identity in sorted(found, reverse=True)[:limit]]
+        places, end = newest(found, limit, end)
+        return [_document(each.id, decisions[each.id]) for each in places], end
 
     def _publish(self, identity: str) -> None:
         decision = _document(identity, self.all()[identity])

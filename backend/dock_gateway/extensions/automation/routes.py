@@ -5,11 +5,13 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Query
 from starlette.responses import Response
 
+from dock_gateway.core.errors import NotFound
 from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.extensions.automation.docking import AutomaticDocking
 from dock_gateway.extensions.automation.rule import RuleBody
 from dock_gateway.extensions.automation.schema import DecisionList, Rule, RuleList
+from dock_gateway.goals.known_robots import KnownRobots
 from dock_gateway.http.bodies import SignedBody
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
@@ -19,7 +21,9 @@ from dock_gateway.http.requests import (
     SLUG_IN_PATH,
     Answer,
     AnyRobotQuery,
+    CursorQuery,
     LimitQuery,
+    end_of_page,
     json_response,
     read_goal_id,
     read_slug,
@@ -76,22 +80,31 @@ async def remove_rule(rule_id: RuleId, automation: Part[AutomaticDocking], condi
 
 
 @router.get("/decisions")
-@operation(Role.VIEWER, Scope.LISTED)
+@operation(Role.VIEWER, Scope.LISTED, errors=(404,))
 async def list_decisions(
     automation: Part[AutomaticDocking],
+    known_robots: Part[KnownRobots],
     grant: TheGrant,
     *,
     robot: AnyRobotQuery = None,
     rule: Annotated[str | None, Query(description="Id of a rule")] = None,
     goal_id: GoalIdQuery = None,
     limit: LimitQuery = 50,
+    cursor: CursorQuery = None,
 ) -> Answer[DecisionList]:
     """List the decisions of all gateways that share the history, newest first. The last 1000 are kept."""
-    found = await automation.decisions.newest(
-        robot=None if robot is None else read_namespace(robot),
+    namespace = None if robot is None else read_namespace(robot)
+    try:
+        await known_robots.require(robot, grant)
+    except NotFound:
+        if not (await automation.decisions.page(robot=namespace, limit=1))[0]:
+            raise
+    found, end = await automation.decisions.page(
+        robot=namespace,
         rule_id=rule,
         goal_id=None if goal_id is None else read_goal_id(goal_id),
         limit=limit,
+        end=end_of_page(cursor),
         grant=grant,
     )
-    return json_response({"decisions": found})
+    return json_response({"decisions": found, "next_cursor": end and end.encode()})

@@ -77,9 +77,10 @@ class Decision(Schema):
 
 
 class DecisionList(Schema):
-    """Decisions, newest first."""
+    """A page of decisions, newest first. `next_cursor` leads to older ones; null: there are none."""
 
     decisions: list[Decision]
+    next_cursor: str | None
 
 
 class AutomationEvent(Schema):

@@ -18,6 +18,7 @@ from dock_gateway.core.grant import Role
 from dock_gateway.extensions.statistics.schema import DockingTimes, Statistics
 from dock_gateway.extensions.statistics.tally import Span, Tallies, Tally, merged, tally_goals
 from dock_gateway.extensions.statistics.trends import find_trends, two_weeks
+from dock_gateway.goals.known_robots import KnownRobots
 from dock_gateway.goals.queries import (
     ActionsQuery,
     GroupQuery,
@@ -59,6 +60,7 @@ async def read_wanted(
     *,
     settings: Part[Settings],
     robot_actions: Part[RobotActions],
+    known_robots: Part[KnownRobots],
     grant: TheGrant,
     robot: BelowQuery = None,
     action: ActionsQuery = None,
@@ -72,6 +74,7 @@ async def read_wanted(
 
     Raises:
         InvalidField: A value is invalid, or the span does not end after its start.
+        NotFound: There is and was no such robot (`robot_not_found`).
     """
     until = until or utc_now()
     since = since or max(until - DEFAULT_SPAN, EARLIEST)
@@ -80,6 +83,7 @@ async def read_wanted(
     return await read_goal_filter(
         settings=settings,
         robot_actions=robot_actions,
+        known_robots=known_robots,
         grant=grant,
         robot=robot,
         action=action,
@@ -95,7 +99,7 @@ WantedQuery = Annotated[GoalFilter, Depends(read_wanted)]
 
 
 @router.get("/statistics")
-@operation(Role.VIEWER, Scope.LISTED)
+@operation(Role.VIEWER, Scope.LISTED, errors=(404,))
 async def statistics(
     history: Part[History],
     robot_actions: Part[RobotActions],
@@ -125,11 +129,12 @@ async def statistics(
 
 
 @router.get("/statistics/docking-time", openapi_extra=UNSTABLE)
-@operation(Role.VIEWER, Scope.LISTED)
+@operation(Role.VIEWER, Scope.LISTED, errors=(404,))
 async def docking_time(
     settings: Part[Settings],
     history: Part[History],
     robot_actions: Part[RobotActions],
+    known_robots: Part[KnownRobots],
     grant: TheGrant,
     *,
     robot: BelowQuery = None,
@@ -139,7 +144,14 @@ async def docking_time(
     spans = two_weeks(utc_now())
     since, until = spans[0][0], spans[-1][1]
     wanted = await read_goal_filter(
-        settings=settings, robot_actions=robot_actions, grant=grant, robot=robot, since=since, until=until, group=group
+        settings=settings,
+        robot_actions=robot_actions,
+        known_robots=known_robots,
+        grant=grant,
+        robot=robot,
+        since=since,
+        until=until,
+        group=group,
     )
     found = await tally_goals(history, wanted, spans, by_action=True)
     trends = find_trends(wanted, found, robot_actions)

@@ -10,6 +10,7 @@ from contextlib import ExitStack
 import orjson
 
 from dock_gateway.core.alerts import SETTLED_AFTER, Alerts
+from dock_gateway.core.cursor import Cursor, newest
 from dock_gateway.core.errors import Conflict
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.share import EVERYTHING, Share
@@ -169,8 +170,18 @@ class Notifier:
             "last_delivery": None if last is None else delivery_document(identity, last),
         }
 
-    async def deliveries(self, webhook_id: str, limit: int) -> list[Document]:
+    async def deliveries(
+        self, webhook_id: str, limit: int, end: Cursor | None = None
+    ) -> tuple[list[Document], Cursor | None]:
         """Return the deliveries of a webhook as `GET /webhooks/{webhook_id}/deliveries` shows them, newest first.
+
+        Args:
+            webhook_id: Its id.
+            limit: The length of a page.
+            end: Where the page before ended; None for the first one.
+
+        Returns:
+            The page, and where it ends; None if it is the last one.
 
         Raises:
             NotFound: `webhook_not_found`.
@@ -179,7 +190,9 @@ class Notifier:
         if webhook_id not in await self._read():
             raise self._webhooks.missing(webhook_id)
         await self._outbox.read()
-        return [delivery_document(identity, each) for identity, each in self._outbox.of(webhook_id)[:limit]]
+        found = dict(self._outbox.of(webhook_id))
+        places, end = newest((Cursor(each.created_at, identity) for identity, each in found.items()), limit, end)
+        return [delivery_document(each.id, found[each.id]) for each in places], end
 
     async def test(self, webhook_id: str) -> Document:
         """Send a test now, once, also to a webhook that is off; return the delivery.

@@ -13,7 +13,15 @@ from dock_gateway.http.bodies import SignedBody
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import ADMIN_IF_FORWARDED
-from dock_gateway.http.requests import SLUG_IN_PATH, Answer, LimitQuery, json_response, read_slug
+from dock_gateway.http.requests import (
+    SLUG_IN_PATH,
+    Answer,
+    CursorQuery,
+    LimitQuery,
+    end_of_page,
+    json_response,
+    read_slug,
+)
 from dock_gateway.http.resource import ChangeCondition, Item, WriteCondition, item_response, removed
 from dock_gateway.http.route import ApiRoute
 
@@ -71,7 +79,8 @@ async def test_webhook(webhook_id: WebhookId, notifier: Part[Notifier]) -> Answe
 @router.get("/{webhook_id}/deliveries")
 @operation(Role.SUPERVISOR, Scope.EVERY, errors=(404,))
 async def list_deliveries(
-    webhook_id: WebhookId, notifier: Part[Notifier], limit: LimitQuery = 50
+    webhook_id: WebhookId, notifier: Part[Notifier], limit: LimitQuery = 50, cursor: CursorQuery = None
 ) -> Answer[DeliveryList]:
     """List what was and is to be sent to a webhook, newest first. The last 500 of all webhooks are kept."""
-    return json_response({"deliveries": await notifier.deliveries(webhook_id, limit)})
+    found, end = await notifier.deliveries(webhook_id, limit, end_of_page(cursor))
+    return json_response({"deliveries": found, "next_cursor": end and end.encode()})

@@ -50,9 +50,10 @@ class Delivery(Schema):
 
 
 class DeliveryList(Schema):
-    """Deliveries, newest first."""
+    """A page of deliveries, newest first. `next_cursor` leads to older ones; null: there are none."""
 
     deliveries: list[Delivery]
+    next_cursor: str | None
 
 
 class Webhook(ChangedWebhook, Versioned):
