@@ -10,6 +10,10 @@ from typing import Any
 
 Schema = dict[str, Any]
 METHODS = ("get", "put", "post", "delete", "patch")
+# Besides requests: the settings, commands of the command line and tools of agents; see tests/support/contract.py.
+OPERATIONS = (*METHODS, "set", "run", "call")
+# Schemas that no operation answers with: messages of streams, and errors. Whether the gateway sends them.
+ALONE = {"Event": True, "ActionEvent": True, "EchoEvent": True, "Answer": True, "Command": False, "Problem": True}
 # Words and examples are for people.
 FOR_PEOPLE = frozenset({"description", "summary", "title", "examples", "example", "tags"})
 # A limit of a request may grow in one direction only: upwards for these, downwards for the others.
@@ -30,6 +34,10 @@ class Changes:
     added: list[str] = field(default_factory=list)
     deprecated: list[str] = field(default_factory=list)
     broken: list[str] = field(default_factory=list)
+
+    def lines(self) -> list[str]:
+        """Return a line for each, with its kind."""
+        return [f"{kind}: {line}" for kind, lines in vars(self).items() for line in sorted(set(lines))]
 
 
 def for_programs(document: Any) -> Any:
@@ -73,11 +81,27 @@ class _Comparison:
                 self._changes.broken.append(f"{name}: is gone")
             else:
                 self._operation(name, operation, after[name])
-        for name in sorted(_schemas(self._before).keys() & {"Event"}):  # no operation of the document answers with it
-            self._schema(name, {"$ref": f"#/components/schemas/{name}"}, _schemas(self._after)[name], sent=True)
+        for name in sorted(_schemas(self._before).keys() & ALONE.keys()):
+            reference = {"$ref": f"#/components/schemas/{name}"}
+            if name in _schemas(self._after):
+                self._schema(name, reference, reference, sent=ALONE[name])
+            else:
+                self._changes.broken.append(f"{name}: is gone")
+        self._names(self._before.get("names", {}), self._after.get("names", {}))
         return self._changes
 
+    def _names(self, before: Mapping[str, str], after: Mapping[str, str]) -> None:
+        """Compare names that stand for something, each with a few words about it."""
+        self._changes.added += sorted(after.keys() - before.keys())
+        for name, meaning in before.items():
+            if name not in after:
+                self._changes.broken.append(f"{name}: is gone")
+            elif after[name] != meaning:
+                self._changes.broken.append(f"{name}: was {meaning}, is {after[name]}")
+
     def _operation(self, name: str, before: Schema, after: Schema) -> None:
+        if before.get("x-robot") != after.get("x-robot"):
+            self._changes.broken.append(f"{name}: x-robot was {before.get('x-robot')}, is {after.get('x-robot')}")
         if before.get("operationId") != after.get("operationId"):
             self._changes.broken.append(f"{name}: its operationId was {before.get('operationId')}")
         self._parameters(name, before, after)
@@ -89,6 +113,9 @@ class _Comparison:
                 self._schema(f"{name} body", content.get("schema", {}), new_body[media].get("schema", {}), sent=False)
         if _needs_body(after) and not _needs_body(before):
             self._changes.broken.append(f"{name}: needs a body")
+        self._answers(name, before, after)
+
+    def _answers(self, name: str, before: Schema, after: Schema) -> None:
         for status, answer in before.get("responses", {}).items():
             if not status.startswith("2"):
                 continue
@@ -175,6 +202,8 @@ class _Comparison:
         if not sent:
             if new is not None and (gone := [value for value in old or () if value not in new] or old is None):
                 self._changes.broken.append(f"{place}: no longer takes {'other values' if gone is True else gone}")
+            if "default" in before and after.get("default") != before["default"]:
+                self._changes.broken.append(f"{place}: default was {before['default']}, is {after.get('default')}")
             if after.get("pattern") not in (None, before.get("pattern")):
                 self._changes.broken.append(f"{place}: has the pattern {after['pattern']}")
             for keys, sign in ((GROWING, 1), (SHRINKING, -1)):
@@ -205,7 +234,7 @@ class _Comparison:
 
 def _operations(document: Schema) -> Iterator[tuple[str, Schema]]:
     for path, item in document["paths"].items():
-        for method in METHODS:
+        for method in OPERATIONS:
             if method in item:
                 yield f"{method.upper()} {path}", item[method]
 
