@@ -191,3 +191,24 @@ def test_two_gateways_on_one_database_carry_out_a_mission_once(domain: int, tmp_
         until(first, change_at_other, "held")
         change(first, change_at_other, "continue")
         until(second, change_at_other, "succeeded")
+
+
+def test_automatic_docking_waits_for_a_mission(domain: int) -> None:
+    pytest.importorskip("dock_gateway.extensions.automation")
+    rule = {"name": "Low", "mode": "on", "robots": {"all": True}, "battery": {"below": 0.3, "idle_s": 10}}
+
+    def waits_for() -> str:
+        found = gateway.http.get("/automation/rules/low").raise_for_status().json()
+        reason: str = found["applies_to"][0]["waits_for"]
+        return reason
+
+    with ready_gateway(domain) as gateway:
+        gateway.publish(LOW)
+        waiting = post(gateway, {"wait": {"seconds": 600}})
+        until(gateway, waiting, "running")
+        gateway.http.put("/automation/rules/low", json=rule).raise_for_status()
+        wait_until(lambda: waits_for() == "at_work", "the rule")
+        change(gateway, waiting, "cancel")
+        until(gateway, waiting, "canceled")
+        wait_until(lambda: waits_for() != "at_work", "the end of the mission")
+        wait_until(lambda: goals(gateway), "the goal of the rule")
