@@ -35,7 +35,7 @@ class MissionBook(SharedEntries[MissionEntry]):
         covers: Returns whether a grant covers a mission.
 
     Attributes:
-        waits: What those wait for that this gateway follows, by their ids.
+        waits: What those wait for that this gateway follows, by their ids; `set_wait` changes it.
     """
 
     def __init__(
@@ -111,13 +111,22 @@ class MissionBook(SharedEntries[MissionEntry]):
         except Conflict:
             await self.read()
             return False
+        self.waits.pop(mission_id, None)
         if after.status.ended:
-            self.waits.pop(mission_id, None)
             await self._forget_oldest()
         self._published(mission_id, after)
         if (before.status, before.step) != (after.status, after.step):
             log.info("mission %s of %s: %s, step %d", mission_id, after.robot, after.status.value, after.step)
         return True
+
+    def set_wait(self, mission_id: str, reason: str) -> None:
+        """Set what a mission waits for; another reason is an event."""
+        if self.waits.get(mission_id) == reason:
+            return
+        self.waits[mission_id] = reason
+        mission = self.get(mission_id)
+        if mission is not None:
+            self._publish(mission_id, mission)
 
     async def amend(self, mission_id: str, revise: Callable[[MissionEntry], MissionEntry]) -> MissionEntry:
         """Change a mission as somebody wishes; return it.

@@ -90,7 +90,8 @@ class MissionFields(Schema):
     """The fields of a mission that are stored and shown.
 
     `priority`: of the missions of a robot that are queued, the one with the highest begins first, then the oldest.
-    `step` is the index of the present step; once all have ended, their number.
+    `step` is the index of the present step; once all have ended, their number. `pausing`: it will be held
+    before its next step.
     """
 
     robot: RosName
@@ -98,6 +99,7 @@ class MissionFields(Schema):
     priority: int
     status: MissionStatus
     held_for: HoldReason | None
+    pausing: bool = False
     step: Annotated[int, Field(ge=0)]
     error: Reason | None
     created_by: str | None
@@ -112,12 +114,10 @@ class MissionEntry(MissionFields):
     Attributes:
         steps: Its steps, at least one.
         revision: Counts its changes: one who changes it says what they have read.
-        pausing: Whether it is held before its next step.
     """
 
     steps: tuple[StepEntry, ...]
     revision: int = 0
-    pausing: bool = False
 
     @property
     def current(self) -> StepEntry:

@@ -127,7 +127,8 @@ class MissionRunner:
             ready = [key for key, mission in queue if mission.active or mission.status is MissionStatus.QUEUED]
             for mission_id, mission in queue:
                 if mission_id not in ready[:1]:
-                    self.book.waits[mission_id] = WaitsFor.TURN if mission.held_for is None else WaitsFor.CONTINUE
+                    reason = WaitsFor.TURN if mission.held_for is None else WaitsFor.CONTINUE
+                    self.book.set_wait(mission_id, reason)
             if ready and robot not in self._busy:
                 self._busy.add(robot)
                 self._tasks.spawn(self._follow(robot, ready[0]))
@@ -138,11 +139,11 @@ class MissionRunner:
             while (mission := self.book.get(mission_id)) is not None:
                 wait = await self._take_step(mission_id, mission)
                 if wait is not None:
-                    self.book.waits[mission_id] = wait.reason
+                    self.book.set_wait(mission_id, wait.reason)
                     self._wake_at(wait.until)
                     return
         except Unavailable:  # of the history: nothing is done that could not be stored
-            self.book.waits[mission_id] = WaitsFor.HISTORY
+            self.book.set_wait(mission_id, WaitsFor.HISTORY)
         finally:
             self._busy.discard(robot)
             if self.book.get(mission_id) is None:
