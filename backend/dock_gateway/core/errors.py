@@ -141,6 +141,11 @@ class Conflict(GatewayError):
     code = "goal_rejected"
 
 
+def is_by_stop(error: GatewayError) -> bool:
+    """Return whether a goal was not sent as its robot is stopped, or was meanwhile."""
+    return error.code in ("stop_latched", "stopped")
+
+
 def limit_reached(limit: int, what: str) -> Conflict:
     """Return the error that no more can be stored: `limit` is how many of `what` (a plural) there may be."""
     return Conflict(f"there are {limit} {what}; remove one first", code="limit_reached", limit=limit)

@@ -10,7 +10,7 @@ import orjson
 # A ROS message encoded to JSON, once. It is embedded as it is in every document.
 Json = bytes
 
-# Who sent a goal: a client of a gateway, a rule of automatic docking, or a client of ROS.
+# Who sent a goal: a client of a gateway, the gateway itself (a rule of automatic docking, a mission), a client of ROS.
 Origin = Literal["gateway", "automation", "external"]
 
 # What a goal on one of a robot's two docking actions does.

@@ -91,7 +91,7 @@ class GoalDelivery:
             stops: The value of `stops` when the goal was requested; default: the current one.
             again: The goal itself, if it was stored before and never accepted. It keeps its id, which an action server
                 accepts only once.
-            sender: Who sends it; None: a rule of automatic docking.
+            sender: Who sends it; None: the gateway itself, for a rule of automatic docking or a mission.
 
         Raises:
             Conflict: A stop is latched (`stop_latched`). The task raises it too, also if a stop was requested in the

@@ -32,7 +32,7 @@ class Submitter:
         Args:
             message: The goal as a ROS message.
             idempotency_key: A later submission with this key gets the first one's goal, unless that was never sent.
-            sender: Who sends it; None: a rule of automatic docking.
+            sender: Who sends it; None: the gateway itself, for a rule of automatic docking or a mission.
 
         Raises:
             Conflict: A stop is latched (`stop_latched`) or was requested in the meantime (`stopped`), the server

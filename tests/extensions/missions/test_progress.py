@@ -103,7 +103,8 @@ def test_a_goal_that_takes_too_long_is_canceled_first() -> None:
     late = changed(mission, ended(GoalStatus.SUCCEEDED), 31)
     assert late.status is MissionStatus.SUCCEEDED
     lost = Facts(goal=goal(GoalStatus.LOST), given_up=True)
-    assert changed(mission, lost, 40).error == progress.TIMEOUT
+    held = changed(mission, lost, 40)
+    assert (held.held_for, held.current.status) == (HoldReason.LOST, StepStatus.WAITING)
 
 
 def test_a_server_that_never_comes() -> None:

@@ -11,7 +11,7 @@ from datetime import timedelta
 from typing import Any
 
 from dock_gateway.core.battery import PowerSupply
-from dock_gateway.core.errors import Conflict, GatewayError, Unavailable
+from dock_gateway.core.errors import Conflict, GatewayError, Unavailable, is_by_stop
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.core.grant import UNLIMITED, Grant
@@ -40,7 +40,6 @@ SYNC_EVERY = 2
 INTERRUPTED_AFTER = timedelta(minutes=1)
 # Seconds for which the battery of a docked robot must be discharging until the robot counts as off its charger.
 OFF_CHARGER = 30.0
-STOPS = frozenset({"stop_latched", "stopped"})
 
 
 class AutomaticDocking:
@@ -315,7 +314,7 @@ class AutomaticDocking:
             message = action.read_docking_request()
             goal = await action.submitter.submit(message, _key(identity), sender=None)
         except GatewayError as error:
-            outcome = DecisionOutcome.HELD if error.code in STOPS else DecisionOutcome.REFUSED
+            outcome = DecisionOutcome.HELD if is_by_stop(error) else DecisionOutcome.REFUSED
             goal_id = error.extra.get("goal_id")
             return replace(decision, outcome=outcome, code=error.code, detail=error.detail, goal_id=goal_id)
         return replace(decision, outcome=DecisionOutcome.SENT, goal_id=goal.goal_id)

@@ -54,7 +54,10 @@ class MissionBook(SharedEntries[MissionEntry]):
         Raises:
             Unavailable: The history does not answer (`history_unavailable`).
         """
-        missions = await super().read()
+        for mission_id, mission in (await super().read()).items():
+            if mission.status.ended:  # its gateway was killed before it was moved
+                await self._move_to_past(mission_id, mission)
+        missions = self.all()
         if self._seen is not None:
             for mission_id, mission in missions.items():
                 if self._seen.get(mission_id, -1) < mission.revision:
@@ -105,16 +108,14 @@ class MissionBook(SharedEntries[MissionEntry]):
                 raise Conflict(f"{after.robot} has another mission")
 
         try:
-            if after.status.ended:
-                await self._past.write(mission_id, after)
-            await self.store(mission_id, None if after.status.ended else after, check)
+            await self.store(mission_id, after, check)
         except Conflict:
             await self.read()
             return False
         self.waits.pop(mission_id, None)
-        if after.status.ended:
-            await self._forget_oldest()
         self._published(mission_id, after)
+        if after.status.ended:
+            await self._move_to_past(mission_id, after)
         if (before.status, before.step) != (after.status, after.step):
             log.info("mission %s of %s: %s, step %d", mission_id, after.robot, after.status.value, after.step)
         return True
@@ -199,10 +200,17 @@ class MissionBook(SharedEntries[MissionEntry]):
         """Return a mission as the API shows it."""
         return mission.document(mission_id, self.waits.get(mission_id))
 
-    async def _forget_oldest(self) -> None:
+    async def _move_to_past(self, mission_id: str, mission: MissionEntry) -> None:
+        """Move a mission whose end is stored to the ended ones, of which the oldest are forgotten.
+
+        Raises:
+            Unavailable: The history does not answer (`history_unavailable`); it is moved later.
+        """
+        await self._past.write(mission_id, mission)
+        await self.store(mission_id, None, lambda _: None)
         ended = sorted((each.created_at, key) for key, each in (await self._past.read()).items())
-        for _, mission_id in ended[:-MAX_ENDED]:
-            await self._past.write(mission_id, None)
+        for _, oldest in ended[:-MAX_ENDED]:
+            await self._past.write(oldest, None)
 
     def _published(self, mission_id: str, mission: MissionEntry) -> None:
         if self._seen is not None:

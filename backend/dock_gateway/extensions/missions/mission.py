@@ -34,12 +34,13 @@ class MissionStatus(StrEnum):
 class HoldReason(StrEnum):
     """Why a mission does not go on until somebody continues it.
 
-    `stop`: the robot was stopped. `canceled`: somebody canceled the goal of its step. `person`: its step waits for
-    that. `paused`: somebody paused it.
+    `stop`: the robot was stopped. `canceled`: somebody canceled the goal of its step. `lost`: contact was lost during
+    that, and it takes too long. `person`: its step waits for that. `paused`: somebody paused it.
     """
 
     STOP = "stop"
     CANCELED = "canceled"
+    LOST = "lost"
     PERSON = "person"
     PAUSED = "paused"
 

@@ -158,7 +158,10 @@ def _give_up(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
     """Return what comes next when the goal of the present step takes too long."""
     if mission.current.error is None:  # which says, also after a restart, that it is canceled for this
         return Change(mission.with_step(error=TIMEOUT))
-    return Change(fail(mission, TIMEOUT, now)) if facts.given_up else Cancel()
+    if not facts.given_up:
+        return Cancel()
+    # Nobody knows what the robot does, or whether it was switched off and on: it does not move again by itself.
+    return Change(_again(mission, TIMEOUT, now).but(status=MissionStatus.HELD, held_for=HoldReason.LOST))
 
 
 def _is_over(mission: MissionEntry, facts: Facts, now: datetime) -> bool:
@@ -240,6 +243,13 @@ def fail(mission: MissionEntry, error: Reason, now: datetime) -> MissionEntry:
     if step.on_failure is FailurePolicy.NEXT:
         return _go_on(failed, now)
     return _end(failed, MissionStatus.FAILED, now).model_copy(update={"error": error})
+
+
+def has_try(mission: MissionEntry | None, step: int, attempt: int) -> bool:
+    """Return whether a mission is still at this try of this step; None: it has ended."""
+    if mission is None or mission.status.ended or mission.step != step:
+        return False
+    return mission.current.status is StepStatus.RUNNING and mission.current.attempt == attempt
 
 
 def start(mission: MissionEntry, now: datetime) -> MissionEntry:

@@ -2,10 +2,11 @@
 
 import asyncio
 import logging
+from collections.abc import Callable
 from datetime import datetime
 from typing import Any
 
-from dock_gateway.core.errors import Conflict, GatewayError, NotFound, TooManyRequests, Unavailable
+from dock_gateway.core.errors import GatewayError, NotFound, TooManyRequests, Unavailable, is_by_stop
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.share import Share
@@ -26,8 +27,6 @@ log = logging.getLogger(__name__)
 
 # Seconds between two looks at missions that have not ended, and at what other gateways have stored.
 INTERVAL, SYNC_INTERVAL = 1.0, 2.0
-# The codes of a goal that was not sent for a stop.
-STOPS = frozenset({"stop_latched", "stopped"})
 
 
 class MissionRunner:
@@ -42,6 +41,7 @@ class MissionRunner:
         history: Finds goals that were sent before a restart.
         interlock: The latched stops.
         share: The robots that this gateway serves.
+        clock: Returns the time.
     """
 
     def __init__(
@@ -55,6 +55,7 @@ class MissionRunner:
         history: History,
         interlock: Interlock,
         share: Share,
+        clock: Callable[[], datetime] = utc_now,
     ) -> None:
         self.book = book
         self._robots = robots
@@ -64,6 +65,7 @@ class MissionRunner:
         self._history = history
         self._interlock = interlock
         self._share = share
+        self._clock = clock
         self._stopped: set[str] = set()  # robots that were stopped since the last look
         self._given_up: set[str] = set()  # lost goals that are canceled should they return
         self._busy: set[str] = set()  # robots
@@ -120,7 +122,7 @@ class MissionRunner:
         """Let each robot go on with its mission, or begin the one whose turn it is."""
         of_robots: dict[str, list[tuple[str, MissionEntry]]] = {}
         for mission_id, mission in self.book.all().items():
-            if self._share.covers_robot(mission.robot):
+            if self._share.covers_robot(mission.robot) and not mission.status.ended:
                 of_robots.setdefault(mission.robot, []).append((mission_id, mission))
         for robot, missions in of_robots.items():
             queue = sorted(missions, key=lambda item: (not item[1].active, *item[1].turn, item[0]))
@@ -136,7 +138,7 @@ class MissionRunner:
     async def _follow(self, robot: str, mission_id: str) -> None:
         """Take a mission as far as it goes now."""
         try:
-            while (mission := self.book.get(mission_id)) is not None:
+            while (mission := self.book.get(mission_id)) is not None and not mission.status.ended:
                 wait = await self._take_step(mission_id, mission)
                 if wait is not None:
                     self.book.set_wait(mission_id, wait.reason)
@@ -150,7 +152,7 @@ class MissionRunner:
                 self.wake()  # it is the next one's turn
 
     def _wake_at(self, time: datetime | None) -> None:
-        if time is not None and (delay := (time - utc_now()).total_seconds()) < INTERVAL:
+        if time is not None and (delay := (time - self._clock()).total_seconds()) < INTERVAL:
             asyncio.get_running_loop().call_later(max(delay, 0.0), self.wake)
 
     async def _take_step(self, mission_id: str, mission: MissionEntry) -> Wait | None:
@@ -160,13 +162,15 @@ class MissionRunner:
             Unavailable: The history does not answer.
         """
         if mission.status is MissionStatus.QUEUED:
-            started = await self.book.change(mission_id, mission, progress.start(mission, utc_now()))
+            started = await self.book.change(mission_id, mission, progress.start(mission, self._clock()))
             return None if started else Wait(WaitsFor.TURN)
         facts = await self._facts(mission_id, mission)
-        move = next_move(mission, facts, utc_now())
+        move = next_move(mission, facts, self._clock())
         match move:
             case Change(after):
                 await self.book.change(mission_id, mission, after)
+                if facts.goal is not None:
+                    self._given_up.discard(facts.goal.goal_id)
                 if after.status is not MissionStatus.RUNNING:
                     self._stopped.discard(mission.robot)
                 return None
@@ -215,7 +219,7 @@ class MissionRunner:
         Raises:
             Unavailable: The history does not answer.
         """
-        step, now = mission.current, utc_now()
+        step, now = mission.current, self._clock()
         action = self._action(mission)
         if action is None or not action.on_graph:
             return Wait(WaitsFor.SERVER)
@@ -232,10 +236,14 @@ class MissionRunner:
         except GatewayError as error:
             reason = Reason(code=error.code, detail=error.detail)
             known = mission.with_step(goal_id=error.extra.get("goal_id", step.goal_id))
-            stopped = isinstance(error, Conflict) and error.code in STOPS
-            after = (progress.hold_for_stop if stopped else progress.fail)(known, reason, now)
+            after = (progress.hold_for_stop if is_by_stop(error) else progress.fail)(known, reason, now)
         else:
             after = mission.with_step(goal_id=goal.goal_id)
+            if await self.book.change(mission_id, mission, after):
+                return None
+            if not progress.has_try(self.book.get(mission_id), mission.step, step.attempt):
+                await self._cancel(goal)  # it was canceled at another gateway before the goal was sent here
+            return None
         await self.book.change(mission_id, mission, after)
         return None
 

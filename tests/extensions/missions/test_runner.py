@@ -1,0 +1,281 @@
+"""Missions that are carried out in virtual time, by one gateway or two, with action servers of the test."""
+
+import asyncio
+from collections.abc import Callable
+from datetime import datetime, timedelta
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+
+from dock_gateway.core.errors import Conflict, GatewayError, NotFound, Unavailable
+from dock_gateway.core.fanout import Fanout
+from dock_gateway.core.goal import Goal, GoalStatus
+from dock_gateway.core.share import EVERYTHING
+from dock_gateway.extensions.missions import progress
+from dock_gateway.extensions.missions.book import MissionBook
+from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
+from dock_gateway.extensions.missions.runner import MissionRunner
+from tests.extensions.missions.examples import DOCK, FIBONACCI, NOON, queued
+from tests.support.entries import EntriesInMemory, SharedStore
+from tests.support.virtual import in_virtual_time
+
+
+class Server:
+    """What runners know as the actions, the goals, and the history of the goals' keys.
+
+    Attributes:
+        goals: The goals, by their keys.
+        takes: Seconds that a goal takes; None: until it is canceled.
+        refuses: What a submission raises, one after the other.
+    """
+
+    def __init__(self) -> None:
+        self.goals: dict[str, Goal] = {}
+        self.takes: float | None = 10.0
+        self.refuses: list[GatewayError] = []
+        self.there = True
+        self.listeners: list[Callable[[Goal], None]] = []
+
+    async def read_goal(self, request: object) -> object:
+        return request
+
+    def read_docking_request(self, request: object) -> object:
+        return request
+
+    async def submit(self, _: object, key: str, *, sender: object) -> Goal:
+        assert sender is None
+        if key not in self.goals:
+            await asyncio.sleep(0.01)
+            if self.refuses:
+                raise self.refuses.pop(0)
+            made = Goal(f"goal-{len(self.goals)}", "/dock", "pkg/action/T", NOON)
+            made.status = GoalStatus.EXECUTING
+            self.goals.setdefault(key, made)
+            if self.takes is not None:
+                asyncio.get_running_loop().call_later(self.takes, self.end, made)
+        return self.goals[key]
+
+    def end(self, goal: Goal, status: GoalStatus = GoalStatus.SUCCEEDED) -> None:
+        if not goal.status.final:
+            goal.status = status
+            for listener in self.listeners:
+                listener(goal)
+
+    async def cancel(self, goal: Goal) -> None:
+        if goal.status is not GoalStatus.LOST:
+            self.end(goal, GoalStatus.CANCELED)
+
+    async def get(self, goal_id: str) -> Goal:
+        for goal in self.goals.values():
+            if goal.goal_id == goal_id:
+                return goal
+        raise NotFound("no goal")
+
+    async def by_key(self, key: str) -> Goal | None:
+        return self.goals.get(key)
+
+    def running(self) -> list[Goal]:
+        return [goal for goal in self.goals.values() if not goal.status.terminal]
+
+
+class Robots:
+    """The robot `/`, whose battery is not known."""
+
+    def __init__(self) -> None:
+        self.robot = SimpleNamespace(namespace="/", battery=SimpleNamespace(age=None))
+
+    def __contains__(self, _: str) -> bool:
+        return True
+
+    def get(self, _: str) -> Any:
+        return self.robot
+
+    owner = get
+
+
+def now() -> datetime:
+    """Return the virtual time."""
+    return NOON + timedelta(seconds=asyncio.get_running_loop().time())
+
+
+class Site:
+    """Gateways that share a history, with one robot, `/`."""
+
+    def __init__(self, gateways: int = 1) -> None:
+        self.store, self.past = SharedStore[MissionEntry](), EntriesInMemory[MissionEntry]()
+        self.server = Server()
+        self.held = False
+        self.runners = [self.open() for _ in range(gateways)]
+
+    def open(self) -> MissionRunner:
+        server = self.server
+        book = MissionBook(Fanout(queue_limit=1), self.store, self.past, lambda *_: True)
+        action = SimpleNamespace(
+            on_graph=True,
+            submitter=server,
+            canceler=server,
+            read_goal=server.read_goal,
+            read_docking_request=server.read_docking_request,
+        )
+        runner = MissionRunner(
+            book,
+            robots=cast("Any", Robots()),
+            actions=cast(
+                "Any", SimpleNamespace(get=lambda _: action if server.there else None, running=server.running)
+            ),
+            robot_actions=cast("Any", SimpleNamespace(docking_name=lambda *_: "/dock")),
+            goals=cast("Any", server),
+            history=cast("Any", server),
+            interlock=cast("Any", SimpleNamespace(holds=lambda _: self.held)),
+            share=EVERYTHING,
+            clock=now,
+        )
+        server.listeners.append(runner.on_goal)
+        runner.start()
+        return runner
+
+    async def add(self, *steps: dict[str, Any], mission_id: str = "a", **fields: Any) -> None:
+        await self.runners[0].book.add(mission_id, queued(*steps, **fields))
+        self.runners[0].wake()
+
+    async def ended(self, mission_id: str = "a") -> MissionEntry:
+        """Wait for the end of a mission."""
+        async with asyncio.timeout(1e6):
+            while mission_id not in self.past.known:  # noqa: ASYNC110 - whichever gateway ends it
+                await asyncio.sleep(1.0)
+        return self.past.known[mission_id]
+
+
+@in_virtual_time
+async def test_a_mission_begins_at_once_and_the_next_one_after_it() -> None:
+    site = Site()
+    await site.add(DOCK, {"wait": {"seconds": 2.5}}, FIBONACCI)
+    await site.add(FIBONACCI, mission_id="b")
+    first, second = await site.ended("a"), await site.ended("b")
+    assert first.started_at is not None
+    assert first.finished_at is not None
+    assert first.started_at - NOON < timedelta(seconds=0.1)
+    assert timedelta(seconds=22.5) <= first.finished_at - NOON < timedelta(seconds=22.7)
+    assert second.started_at is not None
+    assert timedelta(0) <= second.started_at - first.finished_at < timedelta(seconds=0.1)
+    assert [*site.server.goals] == ["mission-a-0-1", "mission-a-2-1", "mission-b-0-1"]
+    assert site.store.known == {}
+
+
+@in_virtual_time
+async def test_two_gateways_make_each_change_once() -> None:
+    site = Site(gateways=2)
+    await site.add(*(5 * [FIBONACCI]))
+    mission = await site.ended()
+    assert (mission.status, len(site.server.goals)) == (MissionStatus.SUCCEEDED, 5)
+    assert [step.attempt for step in mission.steps] == 5 * [1]
+
+
+@in_virtual_time
+async def test_of_two_ends_the_first_counts() -> None:
+    site = Site()
+    first, second = (MissionBook(Fanout(queue_limit=1), site.store, site.past, lambda *_: True) for _ in range(2))
+    mission = progress.start(queued(DOCK), NOON)
+    await first.add("x", mission)
+    await second.read()
+    assert await first.change("x", mission, progress.succeed(mission, NOON))
+    assert not await second.change("x", mission, mission.but(status=MissionStatus.CANCELED))
+    assert (await second.find("x")).status is site.past.known["x"].status is MissionStatus.SUCCEEDED
+
+
+@in_virtual_time
+async def test_an_end_whose_gateway_was_killed_is_moved_by_another() -> None:
+    site = Site()
+    mission = progress.start(queued(DOCK), NOON)
+    site.store.known["a"] = progress.succeed(mission, NOON)
+    assert (await site.ended()).status is MissionStatus.SUCCEEDED
+    assert site.server.goals == {}
+
+
+@in_virtual_time
+async def test_without_the_history_nothing_is_begun() -> None:
+    site = Site()
+    await site.add({"wait": {"seconds": 1}}, DOCK)
+    await asyncio.sleep(0.5)
+    site.store.away = True
+    await asyncio.sleep(100)
+    assert site.server.goals == {}
+    site.store.away = False
+    assert (await site.ended()).status is MissionStatus.SUCCEEDED
+
+
+@in_virtual_time
+async def test_a_server_that_is_away_is_waited_for() -> None:
+    site = Site()
+    site.server.there = False
+    await site.add(DOCK)
+    await asyncio.sleep(1000)
+    assert site.runners[0].book.waits["a"] == "server"
+    site.server.there = True
+    site.server.refuses = [Unavailable("no server"), Unavailable("no server")]
+    mission = await site.ended()
+    assert (mission.status, mission.steps[0].attempt) == (MissionStatus.SUCCEEDED, 1)
+
+
+@pytest.mark.parametrize("code", ["stopped", "stop_latched"])
+def test_a_goal_that_a_stop_refuses_holds_the_mission(code: str) -> None:
+    @in_virtual_time
+    async def run() -> None:
+        site = Site()
+        site.server.refuses = [Conflict("a stop", code=code)]
+        await site.add(DOCK)
+        await asyncio.sleep(10)
+        book = site.runners[0].book
+        held = book.all()["a"]
+        assert (held.status, held.held_for, held.current.status) == (MissionStatus.HELD, "stop", "waiting")
+        await book.amend("a", lambda mission: progress.resume(mission, now()))
+        assert (await site.ended()).steps[0].attempt == 2
+
+    run()
+
+
+@in_virtual_time
+async def test_a_stop_that_does_not_stay_holds_what_runs_and_nothing_later() -> None:
+    site = Site()
+    (runner,) = site.runners
+    await site.add({"wait": {"seconds": 60}})
+    await asyncio.sleep(5)
+    runner.on_stop("/")
+    await asyncio.sleep(1)
+    assert runner.book.all()["a"].held_for == "stop"
+    assert not runner.has_work("/")
+    runner.on_stop("/")  # it is held already: that must not hold it again later
+    await runner.book.amend("a", lambda mission: progress.resume(mission, now()))
+    runner.wake()
+    assert (await site.ended()).status is MissionStatus.SUCCEEDED
+
+
+@in_virtual_time
+async def test_a_mission_that_is_canceled_while_another_gateway_sends_its_goal() -> None:
+    """The other gateway cancels the goal that it has sent for nothing."""
+    site = Site(gateways=2)
+    site.server.takes = None
+    await site.add(DOCK)
+    await asyncio.sleep(0.005)  # the goal is on its way
+    other = site.runners[1]
+    await other.book.amend("a", lambda mission: progress.cancel(mission, now()))
+    other.wake()
+    assert (await site.ended()).status is MissionStatus.CANCELED
+    await asyncio.sleep(10)
+    assert site.server.running() == []
+
+
+@in_virtual_time
+async def test_a_lost_goal_is_given_up_and_nothing_moves_by_itself() -> None:
+    site = Site()
+    site.server.takes = None
+    await site.add(DOCK | {"timeout_s": 30.0, "tries": 3})
+    await asyncio.sleep(5)
+    (lost,) = site.server.goals.values()
+    lost.status = GoalStatus.LOST
+    await asyncio.sleep(1000)
+    book = site.runners[0].book
+    assert (book.all()["a"].held_for, len(site.server.goals)) == ("lost", 1)
+    await book.amend("a", lambda mission: progress.cancel(mission, now()))
+    assert (await site.ended()).status is MissionStatus.CANCELED
