@@ -3713,11 +3713,11 @@ export interface components {
          * HoldReason
          * @description Why a mission does not go on until somebody continues it.
          *
-         *     `stop`: the robot was stopped. `canceled`: somebody canceled the goal of its step. `person`: its step waits for
-         *     that. `paused`: somebody paused it.
+         *     `stop`: the robot was stopped. `canceled`: somebody canceled the goal of its step. `lost`: contact was lost during
+         *     that, and it takes too long. `person`: its step waits for that. `paused`: somebody paused it.
          * @enum {string}
          */
-        HoldReason: "stop" | "canceled" | "person" | "paused";
+        HoldReason: "stop" | "canceled" | "lost" | "person" | "paused";
         /**
          * HubConnection
          * @description Whether the hub of a site reaches it, and since when; `code` and `detail` say why it does not.
@@ -3955,6 +3955,11 @@ export interface components {
             priority: number;
             status: components["schemas"]["MissionStatus"];
             held_for: components["schemas"]["HoldReason"] | null;
+            /**
+             * Pausing
+             * @default false
+             */
+            pausing: boolean;
             /** Step */
             step: number;
             error: components["schemas"]["Reason"] | null;
