@@ -31,6 +31,7 @@ from dock_hub.assembly import open_hub
 from dock_hub.error_codes import CODES
 from dock_hub.extensions import hub_extensions
 from dock_hub.schema import (
+    GOAL_FIELDS,
     HubAlertsEvent,
     HubApprovalsEvent,
     HubRobotsEvent,
@@ -60,6 +61,7 @@ CONTENTS = Contents(
     unions=(Union("Event", EVENTS, "A message of an event stream of the hub."),),
     models=(HubStopProblem, HubReleaseProblem),
     codes=CODES,
+    fields=dict.fromkeys(("Goal", "ExportedGoal"), GOAL_FIELDS),
     many_sites=True,
 )
 ROUTERS = tuple(

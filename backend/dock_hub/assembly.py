@@ -1,7 +1,8 @@
 """Assembles the hub: makes its parts in order and closes them in reverse order. No ROS."""
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
+from typing import Any
 
 from prometheus_client import CollectorRegistry
 
@@ -11,6 +12,7 @@ from dock_gateway.audit.subjects import Subjects
 from dock_gateway.core.alerts import Alerts
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal
+from dock_gateway.core.grant import Grant
 from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import closed_by
 from dock_gateway.extension import Installed
@@ -36,12 +38,16 @@ from dock_hub.labels import SiteLabels
 from dock_hub.limits import hub_limits
 from dock_hub.mirror import Mirror
 from dock_hub.overview import Overview
+from dock_hub.schema import GOAL_FIELDS
 from dock_hub.settings import HubSettings
 from dock_hub.shares import BY_SITE
 from dock_hub.sites import Sites
 from dock_hub.stop_requests import StopEntry
 from dock_hub.stops import Stops
 from dock_hub.store import HubStore
+
+# The topics that extensions of a gateway add to streams: they can be asked for, and there are no events of them.
+INCLUDES = ("map", "maps", "scan", "path")
 
 
 class NoLiveGoals:
@@ -53,6 +59,14 @@ class NoLiveGoals:
     def running(self) -> list[Goal]:
         """Return none."""
         return []
+
+
+class SiteGoalDocuments(GoalDocuments):
+    """Makes the documents of goals without their tags, notes and recordings, which only their sites have."""
+
+    async def full(self, goals: Sequence[Goal], grant: Grant) -> list[dict[str, Any]]:
+        """Return goals; the fields for all that is not known here are null."""
+        return [self.brief(goal) for goal in goals]
 
 
 @asynccontextmanager
@@ -113,7 +127,8 @@ def _open_overview(settings: HubSettings, parts: Parts, stack: AsyncExitStack) -
     labels = parts.add(RobotLabels, SiteLabels(sites))
     robot_actions = parts.add(RobotActions, RobotActions(settings, sites, labels, history))
     goals = parts.add(Goals, Goals(NoLiveGoals(), robot_actions, history))
-    parts.add(GoalDocuments, GoalDocuments(history))
+    documents = parts.add(GoalDocuments, SiteGoalDocuments(history))
+    documents.fields |= dict.fromkeys(GOAL_FIELDS)
     overview = parts.add(Overview, closed_by(stack, Overview(parts[Fanout], sites, goals, history)))
     parts.add(Robots, overview)
     parts.add(KnownRobots, KnownRobots(settings, overview, labels, robot_actions, history))
@@ -125,7 +140,7 @@ async def _open_extensions(parts: Parts, stack: AsyncExitStack) -> None:
     """Open the extensions, with what measures them."""
     installed = parts[Installed]
     parts.add(Quotas, Quotas(parts[Settings], hub_limits(parts[Settings])))
-    parts.add(Includes, Includes())
+    parts.add(Includes, Includes(INCLUDES))
     await installed.open(parts, stack)
     parts[Overview].sources.append(installed.alerts)
     parts.add(Metrics, closed_by(stack, Metrics(HubCollector(parts, installed.metrics), CollectorRegistry())))

@@ -6,5 +6,5 @@ CODES = (
     ErrorCode("site_not_found", 404, "There is no site of that name, or the limits leave it out.", "access.md#limits"),
     ErrorCode("release_incomplete", 504, "Not every site has confirmed the release; `sites` says which has."),
     ErrorCode("stop_incomplete", 504, "Not every site has confirmed the stop; `sites` says which has."),
-    ErrorCode("stopped_again", None, "Of a release at one site: a stop came while it waited."),
+    ErrorCode("stopped_again", 409, "A stop of the same site was asked for while the release waited. The stop holds."),
 )

@@ -9,7 +9,7 @@ from typing import Any
 import orjson
 
 from dock_gateway.core.alerts import SETTLED_AFTER
-from dock_gateway.core.errors import NotFound
+from dock_gateway.core.errors import NotFound, not_covered
 from dock_gateway.core.event import Event, Narrow, fleet_event, notice, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import EventFilter, is_under
@@ -25,6 +25,7 @@ from dock_gateway.fleet.acknowledgements import acknowledge
 from dock_gateway.fleet.alert import Acknowledgement, Alert
 from dock_gateway.goals.goals import Goals
 from dock_gateway.sites.names import site_grant
+from dock_gateway.stop.stop_report import together
 from dock_gateway.storage import History
 from dock_gateway.storage.shared_entries import SYNC_INTERVAL, SharedEntries
 from dock_hub.directory import SILENT_AFTER, SiteState
@@ -39,9 +40,11 @@ INTERVAL = 0.2
 MAX_PUBLISHED = 512 * 1024
 # The fields of a site that change all the time. A change of the others is published.
 RESTLESS = frozenset({"lag_ms", "round_trip_ms", "clock_offset_s", "cursor"})
-NO_SERVER = {"action_name": "", "action_type": "", "available": False, "answering": False, "duplicate": False}
-# What a stream of a gateway begins with besides: a hub has no robot of its own.
-NO_ROBOT: dict[str, Any] = {
+Document = dict[str, Any]
+NO_STOP: Document = {"latched": False, "stopped_at": None, "by": None, "robots": [], "persisted": True}
+NO_SERVER: Document = {"action_name": "", "action_type": "", "available": False, "answering": False, "duplicate": False}
+# What a stream of a gateway begins with besides. A hub has the batteries of robots in `robots`, and publishes none.
+NO_BATTERY: Document = {
     "battery": {
         "state": None,
         "percentage": None,
@@ -59,10 +62,7 @@ NO_ROBOT: dict[str, Any] = {
         "published_count": 0,
         "started_at": None,
     },
-    "action_server": NO_SERVER,
-    "undock_server": NO_SERVER,
 }
-Document = dict[str, Any]
 
 
 class Overview:
@@ -129,6 +129,19 @@ class Overview:
             for name in sorted(view.robots)
             if grant.covers_robot(name) and is_under(name, namespace)
         ]
+
+    def find_robots(self, grant: Grant, namespace: str | None) -> list[Document]:
+        """Return a robot and those below it, as far as a grant covers them; all robots of a grant by default.
+
+        Raises:
+            NotFound: `robot_not_found`.
+            NotAllowed: The grant covers none of them (`not_allowed`).
+        """
+        name = self.find(namespace)
+        robots = self.robots(grant, name)
+        if namespace is not None and not robots and not grant.covers_robot(name):
+            raise not_covered(f"the robot {name}")
+        return robots
 
     def approvals(self, grant: Grant = UNLIMITED) -> list[Document]:
         """Return the goals of agents that wait at sites for a person."""
@@ -213,6 +226,8 @@ class Overview:
         """Return recent goals; all robots, alerts and sites if asked for."""
         goals = await self._goals.recent(event_filter)
         grant = event_filter.grant or UNLIMITED
+        robots = self.robots(grant, event_filter.robot)
+        dock, undock = servers_of(robots, event_filter.robot)
         fleet = {}
         if TOPIC in event_filter.topics:
             fleet = {
@@ -227,8 +242,10 @@ class Overview:
             position=position,
             ends_goal=event_filter.goal_id is not None and all(goal.status.terminal for goal in goals),
             goals=[goal.document() for goal in goals],
-            stop={"latched": False, "stopped_at": None, "by": None, "robots": [], "persisted": True},
-            **NO_ROBOT,
+            stop=stop_of(robots),
+            action_server=dock,
+            undock_server=undock,
+            **NO_BATTERY,
             **fleet,
         )
 
@@ -294,6 +311,19 @@ class Overview:
             self._published[kind] = encoded
             shown = encoded if settled is None else encode(documents)
             self._fanout.publish(fleet_event(kind, utc_now(), narrow, **{kind: orjson.Fragment(shown)}))
+
+
+def stop_of(robots: Iterable[Document]) -> Document:
+    """Return the latches of robots as one. No robot of a site that is not connected counts as stopped."""
+    return together([robot["stop"] if robot["site_state"] is SiteState.CONNECTED else NO_STOP for robot in robots])
+
+
+def servers_of(robots: Iterable[Document], namespace: str) -> tuple[Document, Document]:
+    """Return the docking and the undocking server of a robot. One of a site that is not connected has none."""
+    for robot in robots:
+        if robot["name"] == namespace and robot["site_state"] is SiteState.CONNECTED:
+            return robot["dock"] or NO_SERVER, robot["undock"] or NO_SERVER
+    return NO_SERVER, NO_SERVER
 
 
 def narrow_sites(document: Document, grant: Grant) -> Document:

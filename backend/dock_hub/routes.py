@@ -1,24 +1,25 @@
 """The API of the hub itself: its sites, and what spans all of them."""
 
+from dataclasses import replace
 from typing import Annotated, cast
 
 from fastapi import APIRouter, Path, Request
 from starlette.responses import Response
 
 from dock_gateway import __version__
+from dock_gateway.access.authorization import sees_all
 from dock_gateway.audit.trail import audited
 from dock_gateway.core.errors import NotFound, not_covered
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import encode
-from dock_gateway.core.grant import Role
-from dock_gateway.core.namespace import read_namespace
+from dock_gateway.core.grant import UNLIMITED, Role
 from dock_gateway.core.versions import Condition
 from dock_gateway.fleet.schema import AcknowledgementBody
 from dock_gateway.http.bodies import SignedBody
 from dock_gateway.http.operation import Scope, carries_out, operation, public_operation
 from dock_gateway.http.parts import AllParts, Part, Parts
 from dock_gateway.http.principal import TheGrant, principal_of
-from dock_gateway.http.requests import WITH_POSITION, Answer, BelowQuery, json_response, list_response
+from dock_gateway.http.requests import WITH_POSITION, Answer, BelowQuery, RobotQuery, json_response, list_response
 from dock_gateway.http.resource import ChangeCondition, Item, item_response, removed
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.sites.broker import Broker
@@ -26,11 +27,12 @@ from dock_gateway.sites.names import site_grant
 from dock_gateway.sites.tunnel.failures import SiteFailed
 from dock_gateway.storage import History
 from dock_hub.fields import Document, ForeignDocumentError
-from dock_hub.overview import Overview
+from dock_hub.overview import Overview, servers_of, stop_of
 from dock_hub.renaming import read_alerts
 from dock_hub.schema import HubHealth, HubReadiness, SiteAlert, SiteAlertList, SiteInfo, SiteList, SiteRobotList
 from dock_hub.site_client import JSON, SiteRequest
 from dock_hub.sites import Sites
+from dock_hub.stop_outcomes import read_problem
 from dock_hub.stops import Stops
 
 router = APIRouter(route_class=ApiRoute)
@@ -76,13 +78,7 @@ async def list_robots(
     Those of a site that is not connected are as they were then.
     """
     position = fanout.position  # before the list
-    if robot is None:
-        return list_response({"robots": overview.robots(grant)}, position)
-    name = overview.find(robot)
-    found = overview.robots(grant, name)
-    if not found and not grant.covers_robot(read_namespace(robot)):
-        raise not_covered(f"the robot {name}")
-    return list_response({"robots": found}, position)
+    return list_response({"robots": overview.find_robots(grant, robot)}, position)
 
 
 @router.get("/alerts", tags=["Alerts"])
@@ -121,8 +117,7 @@ async def acknowledge_alert(
     if answer.status == 204:
         return Response(status_code=204)
     if answer.status != 200:
-        media_type = "application/problem+json"
-        return Response(answer.body, answer.status, media_type=media_type)
+        raise read_problem(site, answer.body, answer.status)
     try:
         (changed,) = read_alerts(site, [answer.json()])
     except ForeignDocumentError as error:
@@ -160,27 +155,51 @@ async def withdraw_acknowledgement(
 @router.get("/healthz", tags=["Health"])
 @public_operation(any_query=True)
 async def healthz(broker: Part[Broker], fanout: Part[Fanout]) -> Answer[HubHealth]:
-    """Report that the hub answers."""
+    """Report that the hub answers. It has no node on a ROS graph, and no hub of its own."""
     health = {
         "status": "ok",
         "version": __version__,
-        "hub": True,
-        "broker_connected": broker.connected,
+        "node": "",
+        "ros": {},
         "subscribers": len(fanout),
+        "hub": None,
+        "broker_connected": broker.connected,
     }
     return json_response(health)
 
 
 @router.get("/readyz", tags=["Health"], responses={503: {"model": HubReadiness}})
-@public_operation(any_query=True)
-async def readyz(broker: Part[Broker], history: Part[History], sites: Part[Sites]) -> Answer[HubReadiness]:
-    """Report whether the hub reaches its database and the NATS server."""
-    stats = history.stats()
-    ready = broker.connected and stats.database_reachable
+@public_operation(errors=(404,))
+async def readyz(request: Request, parts: AllParts, robot: RobotQuery = None) -> Answer[HubReadiness]:
+    """Report whether the hub reaches its database and the NATS server.
+
+    With `robot`, whether the docking server of that robot is available and answers, too. Who stopped which robots, the
+    robots, and the last error of the history are only shown to users without limits.
+    """
+    overview, stats, connected = parts[Overview], parts[History].stats(), parts[Broker].connected
+    sees_everything = await sees_all(request)
+    if robot is not None and not sees_everything:
+        raise not_covered("robots by name here")
+    name, robots = overview.find(robot), overview.find_robots(UNLIMITED, robot)
+    dock, undock = servers_of(robots, name)
+    stop, names = stop_of(robots), overview.namespaces()
+    if not sees_everything:
+        stats, stop, names = replace(stats, last_error=None), {**stop, "by": None, "robots": []}, []
+    ready = connected and stats.database_reachable
+    if robot is not None:
+        ready = ready and dock["available"] and dock["answering"]
     document = {
         "ready": ready,
-        "broker_connected": broker.connected,
-        "sites": sites.count(),
-        "history": {**vars(stats), "last_error": None},
+        "robot": name,
+        "robots": names,
+        "hint": None,
+        "settings": [],
+        "problems": [],
+        "action_server": dock,
+        "undock_server": undock,
+        "history": stats,
+        "stop": stop,
+        "broker_connected": connected,
+        "sites": parts[Sites].count(),
     }
     return json_response(document, 200 if ready else 503)

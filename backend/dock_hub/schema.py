@@ -5,13 +5,17 @@ from typing import Literal
 
 from pydantic import ConfigDict, Field
 
+from dock_gateway.extensions.recordings.schema import GoalRecording
 from dock_gateway.fleet.schema import Alert, Robot
 from dock_gateway.goals.approval_schema import Approval
 from dock_gateway.http.schema import Schema
-from dock_gateway.observability.schema import HistoryState
+from dock_gateway.observability.schema import Health, Readiness
 from dock_gateway.streams.schema import SnapshotEvent
 from dock_hub.directory import SiteState
 from dock_hub.stop_schema import PendingStop
+
+# The fields that extensions of a gateway add to goals, and that are null at a hub.
+GOAL_FIELDS = {"recording": GoalRecording}
 
 
 class SiteStop(Schema):
@@ -130,20 +134,18 @@ class SitesEvent(Schema):
     sites: list[SiteInfo]
 
 
-class HubHealth(Schema):
-    """Whether the hub itself works."""
+class HubHealth(Health):
+    """Whether the hub itself works. `node` is empty and `hub` null: it is on no ROS graph, and has no hub."""
 
-    status: Literal["ok"]
-    version: str
-    hub: Literal[True]
     broker_connected: bool
-    subscribers: int
 
 
-class HubReadiness(Schema):
-    """Whether the hub reaches its database and the NATS server, and how many sites are in which state."""
+class HubReadiness(Readiness):
+    """Whether the hub reaches its database and the NATS server, and how many sites are in which state.
 
-    ready: bool
+    If a robot is named: whether its docking server is available and answers, too. `hint`, `settings` and `problems`
+    are those of its site.
+    """
+
     broker_connected: bool
     sites: dict[SiteState, int]
-    history: HistoryState

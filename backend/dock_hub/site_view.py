@@ -25,7 +25,6 @@ class SiteView:
         alerts: Its alerts.
         approvals: The goals of agents that wait there for a person.
         changed: Names of robots that changed or left since the last publication.
-        alerts_changed, approvals_changed: Whether those changed since then.
         reported_at: Time of its latest report, on the monotonic clock; None: never.
         round_trip: Seconds that its last small answer took; None: not measured.
         behind: Whether it is still being asked for what the hub has missed.
@@ -38,8 +37,6 @@ class SiteView:
     alerts: list[Document] = field(default_factory=list)
     approvals: list[Document] = field(default_factory=list)
     changed: set[str] = field(default_factory=set)
-    alerts_changed: bool = False
-    approvals_changed: bool = False
     reported_at: float | None = None
     round_trip: float | None = None
     behind: bool = False
@@ -89,7 +86,7 @@ class SiteView:
             ForeignDocumentError: They are too much.
         """
         _require_room("alerts", _size(alerts))
-        self.alerts, self.alerts_changed = alerts, True
+        self.alerts = alerts
 
     def put_approvals(self, approvals: list[Document]) -> None:
         """Take over all approvals.
@@ -98,7 +95,7 @@ class SiteView:
             ForeignDocumentError: They are too much.
         """
         _require_room("approvals", _size(approvals))
-        self.approvals, self.approvals_changed = approvals, True
+        self.approvals = approvals
 
     def touch(self) -> None:
         """Publish all robots again: the state of the site has changed."""

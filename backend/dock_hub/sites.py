@@ -271,10 +271,6 @@ class Sites:
             raise NotFound(f"there is no site {name[:60]}", code="site_not_found")
         return site
 
-    def robots(self, name: str) -> list[str]:
-        """Return the robots of a site that are known."""
-        return sorted(self.view(name).robots)
-
     def view(self, name: str) -> SiteView:
         """Return the latest report of a site."""
         return self._views.setdefault(name, SiteView(name))

@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from datetime import datetime
+from http import HTTPStatus
 from typing import Protocol
 from urllib.parse import urlencode
 
@@ -10,8 +11,8 @@ from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.filters import is_under
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Grant, Role
-from dock_hub.site_client import SiteRequest
-from dock_hub.stop_outcomes import ReleaseOutcome, StopOutcome, judge, read_problem
+from dock_hub.site_client import JSON, SiteRequest
+from dock_hub.stop_outcomes import SiteLatch, StopOutcome, judge, read_latch, read_problem
 
 # All robots of a site.
 WHOLE = "/"
@@ -85,6 +86,22 @@ class StopEntry:
         return replace(later, robots=outermost((*self.robots, *later.robots)), stopped_at=self.stopped_at)
 
 
+@dataclass(frozen=True)
+class StopOptions:
+    """How robots are stopped.
+
+    Attributes:
+        latch: Whether goals are refused until the stop is released.
+        wait: Seconds that a site may wait for its action servers to answer.
+    """
+
+    latch: bool = True
+    wait: float = 0.0
+
+
+REPEATED = StopOptions()
+
+
 class SiteStopper:
     """Asks sites.
 
@@ -105,38 +122,36 @@ class SiteStopper:
             return False
         return True
 
-    async def stop(self, name: str, entry: StopEntry, *, latch: bool) -> tuple[bool, StopOutcome]:
+    async def stop(self, name: str, entry: StopEntry, options: StopOptions) -> tuple[bool, StopOutcome]:
         """Send a stop. Return whether there is no use in another attempt, and what became of it."""
-        try:
-            return await self._stop(name, entry, latch=latch)
-        except GatewayError as error:
-            return False, StopOutcome(stopped=False, code=error.code, detail=error.detail)
-
-    async def _stop(self, name: str, entry: StopEntry, *, latch: bool) -> tuple[bool, StopOutcome]:
-        body = encode({"latch": latch, "by": entry.by})
+        body = encode({"latch": options.latch, "by": entry.by})
         query = urlencode([("robot", robot) for robot in entry.robots])
         if len(query) > MAX_QUERY:  # the site would refuse it
             query = urlencode({"robot": WHOLE})
-        request = SiteRequest("POST", "/stop", query, body, entry.user, STOPS_ALL, deadline=self._deadline)
-        answer = await self._sites.client(name).ask(request)
-        if answer.status != 200:
-            code, detail = read_problem(answer.body, answer.status)
-            return answer.status in FINAL, StopOutcome(stopped=False, code=code, detail=detail)
-        outcome = judge(name, answer.body, latch=latch)
-        return outcome.stopped, outcome
-
-    async def release(self, name: str, robot: str, user: str | None, grant: Grant) -> ReleaseOutcome:
-        """Send a release."""
-        query = urlencode({"robot": robot})
-        request = SiteRequest("DELETE", "/stop", query, user=user, grant=grant, deadline=self._deadline)
+        headers = [*JSON, (b"prefer", f"wait={options.wait:.0f}".encode())]
+        request = SiteRequest("POST", "/stop", query, body, entry.user, STOPS_ALL, headers, self._deadline)
         try:
             answer = await self._sites.client(name).ask(request)
         except GatewayError as error:
-            return ReleaseOutcome(released=False, code=error.code, detail=error.detail)
-        if answer.status != 200:
-            code, detail = read_problem(answer.body, answer.status)
-            return ReleaseOutcome(released=False, code=code, detail=detail)
-        return ReleaseOutcome(released=True)
+            return False, StopOutcome(stopped=False, code=error.code, detail=error.detail)
+        if answer.status != HTTPStatus.OK:
+            problem = read_problem(name, answer.body, answer.status)
+            return answer.status in FINAL, StopOutcome(stopped=False, code=problem.code, detail=problem.detail)
+        outcome = judge(name, answer.body, latch=options.latch)
+        return outcome.stopped, outcome
+
+    async def ask(self, method: str, name: str, robot: str, user: str | None, grant: Grant) -> SiteLatch:
+        """Return the latch of a robot, with GET; release it before, with DELETE.
+
+        Raises:
+            GatewayError: The site has refused it, or there is no answer.
+        """
+        query = urlencode({"robot": robot})
+        request = SiteRequest(method, "/stop", query, user=user, grant=grant, deadline=self._deadline)
+        answer = await self._sites.client(name).ask(request)
+        if answer.status != HTTPStatus.OK:
+            raise read_problem(name, answer.body, answer.status)
+        return read_latch(name, answer.body)
 
 
 def outermost(robots: Iterable[str]) -> tuple[str, ...]:

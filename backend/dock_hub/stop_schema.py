@@ -1,9 +1,9 @@
-"""The JSON shapes of stops of a hub."""
+"""The JSON shapes of stops of a hub: those of a gateway, with what each site has answered."""
 
 from datetime import datetime
 
 from dock_gateway.http.schema import Problem, Schema
-from dock_gateway.stop.schema import StopFailure, StopReport
+from dock_gateway.stop.schema import StopProblem, StopReport, StopState
 
 
 class PendingStop(Schema):
@@ -17,35 +17,31 @@ class PendingStop(Schema):
 class StopAtSite(Schema):
     """What became of a stop at one site.
 
-    `stopped` is true only if the site has confirmed it. `robots` lists those that it holds there, `halted` those to
-    which zero velocity was published, `not_stopped` the others. `repeated`: it is sent again until it is confirmed or
-    released.
+    `stopped` is true only if the site has confirmed it; if not, `code` and `detail` say why. `repeated`: it is sent
+    again until it is confirmed or released.
     """
 
     stopped: bool
-    robots: list[str]
-    halted: list[str]
-    not_stopped: list[str]
-    canceling: list[str]
-    failed: list[StopFailure]
-    unconfirmed: list[str]
-    warning: str | None
     code: str | None
     detail: str | None
+    warning: str | None
     repeated: bool
 
 
 class HubStopReport(StopReport):
-    """A stop that every site has confirmed: as at a gateway, of all sites together, and of each in `sites`."""
+    """A stop that every site has confirmed: the report of a gateway, for all sites together. `sites` has each."""
 
     sites: dict[str, StopAtSite]
 
 
-class HubStopProblem(Problem):
-    """A stop that not every site has confirmed. `sites` says which have."""
+class HubStopProblem(StopProblem):
+    """A stop that not every site has confirmed. `sites` says which have; the report says what is known to be done.
+
+    Robots of a site that has not confirmed it are in `not_stopped`, and the site is in `failed`.
+    """
 
     sites: dict[str, StopAtSite] | None = None
-    warning: "Problem | None" = None
+    warning: Problem | None = None
 
 
 class ReleaseAtSite(Schema):
@@ -56,8 +52,8 @@ class ReleaseAtSite(Schema):
     detail: str | None
 
 
-class HubReleaseReport(Schema):
-    """A release that every site has carried out."""
+class HubStopState(StopState):
+    """The stops of all robots that were released together, after a release that every site has carried out."""
 
     sites: dict[str, ReleaseAtSite]
 

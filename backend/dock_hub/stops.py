@@ -13,15 +13,15 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from dock_gateway.core.errors import Conflict, GatewayError, Unavailable
+from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.filters import is_under
 from dock_gateway.core.grant import Grant
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.sites.names import to_hub
 from dock_gateway.storage import Entries
-from dock_hub.stop_outcomes import ReleaseOutcome, StopOutcome
-from dock_hub.stop_requests import ReachableSites, SiteStopper, StopEntry, outermost
+from dock_hub.stop_outcomes import NOT_PERSISTED, SiteLatch, StopOutcome
+from dock_hub.stop_requests import REPEATED, ReachableSites, SiteStopper, StopEntry, StopOptions, outermost
 
 log = logging.getLogger(__name__)
 
@@ -35,11 +35,13 @@ class StopTimes:
     Attributes:
         answer_within: Time that an answer waits for the sites.
         deadline: Time that a site may take. It does not begin later.
+        longest_wait: Time that a site may wait for its action servers, so that its answer is here before that.
         repeat_after: Time between two attempts.
     """
 
     answer_within: float = 5.0
     deadline: float = 5.0
+    longest_wait: float = 3.0
     repeat_after: float = 0.5
 
 
@@ -59,7 +61,7 @@ class _Site:
     unsaved: bool = False
     stops: int = 0
     sending: set[asyncio.Task[StopOutcome]] = field(default_factory=set)
-    release: asyncio.Task[ReleaseOutcome] | None = None
+    release: asyncio.Task[SiteLatch] | None = None
     saving: asyncio.Lock = field(default_factory=asyncio.Lock)
 
 
@@ -126,25 +128,26 @@ class Stops:
     # ------------------------------------------------------------------ stops
 
     async def stop(
-        self, targets: Mapping[str, tuple[str, ...]], *, latch: bool, by: str | None, user: str | None
+        self, targets: Mapping[str, tuple[str, ...]], options: StopOptions, *, by: str | None, user: str | None
     ) -> dict[str, StopOutcome]:
         """Stop robots of sites, all at the same time. What is not confirmed by then is repeated, if it is latched.
 
         Args:
             targets: The robots of each site, by its own names; `/` is all of them.
-            latch: Whether goals are refused until the stop is released.
+            options: How.
             by: Who stops them.
             user: The user of the hub who asks.
         """
         now, until = utc_now(), time.monotonic() + self._times.answer_within
+        options = replace(options, wait=min(options.wait, self._times.longest_wait))
         sending = {
-            name: self._begin(name, StopEntry(outermost(robots), user, by, now), latch=latch)
+            name: self._begin(name, StopEntry(outermost(robots), user, by, now), options)
             for name, robots in targets.items()
         }
         if sending:
             await asyncio.wait(sending.values(), timeout=self._times.answer_within)
         await self._stored(targets, until)
-        outcomes = {name: self._outcome(name, task, latch=latch) for name, task in sending.items()}
+        outcomes = {name: self._outcome(name, task, latch=options.latch) for name, task in sending.items()}
         for name, outcome in outcomes.items():
             if outcome.repeated:
                 log.warning("the site %s has not confirmed a stop, which is repeated: %s", name, outcome.detail)
@@ -156,15 +159,15 @@ class Stops:
         if saving:
             await asyncio.wait(saving, timeout=max(0.1, until - time.monotonic()))
 
-    def _begin(self, name: str, entry: StopEntry, *, latch: bool) -> "asyncio.Task[StopOutcome]":
+    def _begin(self, name: str, entry: StopEntry, options: StopOptions) -> "asyncio.Task[StopOutcome]":
         site = self._site(name)
         site.stops += 1
-        if latch:
+        if options.latch:
             site.entry = entry = entry if site.entry is None else site.entry.join(entry)
             site.unsaved = True
             self._tasks.spawn(self._save(name, site))
             self._wanted.set()
-        return self._send(name, site, entry, latch=latch)
+        return self._send(name, site, entry, options)
 
     def _outcome(self, name: str, task: "asyncio.Task[StopOutcome]", *, latch: bool) -> StopOutcome:
         if task.done() and task.exception() is None:
@@ -175,22 +178,23 @@ class Stops:
             outcome = StopOutcome(stopped=False, code="site_timeout", detail=detail)
         if outcome.stopped or not latch or self._site(name).entry is None:
             return outcome
-        return replace(outcome, repeated=True, warning=NOT_STORED if self._site(name).unsaved else None)
+        unsaved = Unavailable(NOT_STORED, code=NOT_PERSISTED) if self._site(name).unsaved else outcome.warning
+        return replace(outcome, repeated=True, warning=unsaved)
 
-    def _send(self, name: str, site: _Site, entry: StopEntry, *, latch: bool) -> "asyncio.Task[StopOutcome]":
-        task = self._tasks.spawn(self._confirm(name, site, entry, latch=latch))
+    def _send(self, name: str, site: _Site, entry: StopEntry, options: StopOptions) -> "asyncio.Task[StopOutcome]":
+        task = self._tasks.spawn(self._confirm(name, site, entry, options))
         site.sending.add(task)
         task.add_done_callback(site.sending.discard)
         return task
 
-    async def _confirm(self, name: str, site: _Site, entry: StopEntry, *, latch: bool) -> StopOutcome:
+    async def _confirm(self, name: str, site: _Site, entry: StopEntry, options: StopOptions) -> StopOutcome:
         """Send a stop; once more, if a release was on its way, which could come after it."""
         release = site.release
-        final, outcome = await self._insist(name, entry, latch=latch)
+        final, outcome = await self._insist(name, entry, options)
         if release is not None:
             await asyncio.wait({release})
-            final, outcome = await self._insist(name, entry, latch=latch)
-        if final and latch and site.entry is entry:
+            final, outcome = await self._insist(name, entry, options)
+        if final and options.latch and site.entry is entry:
             site.entry, site.unsaved = None, True
             self._tasks.spawn(self._save(name, site))
             if outcome.stopped:
@@ -199,12 +203,12 @@ class Stops:
                 log.warning("the site %s refuses a stop: %s", name, outcome.detail)
         return outcome
 
-    async def _insist(self, name: str, entry: StopEntry, *, latch: bool) -> tuple[bool, StopOutcome]:
-        """Send a stop, as `_ask`, until that is of no use or the site is gone: it may only just have connected."""
+    async def _insist(self, name: str, entry: StopEntry, options: StopOptions) -> tuple[bool, StopOutcome]:
+        """Send a stop until that is of no use or the site is gone: it may only just have connected."""
         until = time.monotonic() + self._times.answer_within
         while True:
-            final, outcome = await self._stopper.stop(name, entry, latch=latch)
-            dropped = latch and self._site(name).entry is None
+            final, outcome = await self._stopper.stop(name, entry, options)
+            dropped = options.latch and self._site(name).entry is None
             if final or dropped or not self._stopper.is_connected(name):
                 return final, outcome
             if time.monotonic() + self._times.repeat_after >= until:
@@ -213,7 +217,15 @@ class Stops:
 
     # ------------------------------------------------------------------ releases
 
-    async def release(self, name: str, robot: str, *, user: str | None, grant: Grant) -> ReleaseOutcome:
+    async def state(self, name: str, robot: str, user: str | None, grant: Grant) -> SiteLatch:
+        """Return the latch of a robot of a site; arguments as `release`.
+
+        Raises:
+            GatewayError: The site knows no such robot, or there is no answer.
+        """
+        return await self._stopper.ask("GET", name, robot, user, grant)
+
+    async def release(self, name: str, robot: str, user: str | None, grant: Grant) -> SiteLatch:
         """Release the stop of robots of a site: drop what is not confirmed, and ask the site once.
 
         Args:
@@ -223,21 +235,22 @@ class Stops:
             grant: What they may do at the site.
 
         Returns:
-            What became of it: `history_unavailable` if what is not confirmed cannot be dropped, as the database does
-            not answer. Nothing is released then.
+            The latch that the robot has at the site now.
+
+        Raises:
+            Unavailable: What is not confirmed cannot be dropped, as the database does not answer
+                (`history_unavailable`). Nothing is released then.
+            Conflict: More robots are stopped (`stop_latched`), or a stop came meanwhile (`stopped_again`).
+            GatewayError: The site has not released it, or there is no answer.
         """
         site = self._site(name)
         stops = site.stops
-        try:
-            await self._drop(name, site, robot)
-        except GatewayError as error:
-            return ReleaseOutcome(released=False, code=error.code, detail=error.detail)
+        await self._drop(name, site, robot)
         while on_their_way := {*site.sending, *([] if site.release is None else [site.release])}:
             await asyncio.wait(on_their_way)
         if site.stops != stops:
-            detail = f"a stop of the site {name} was asked for meanwhile; it holds"
-            return ReleaseOutcome(released=False, code="stopped_again", detail=detail)
-        site.release = task = self._tasks.spawn(self._stopper.release(name, robot, user, grant))
+            raise Conflict(f"a stop of the site {name} was asked for meanwhile; it holds", code="stopped_again")
+        site.release = task = self._tasks.spawn(self._stopper.ask("DELETE", name, robot, user, grant))
         task.add_done_callback(lambda _: setattr(site, "release", None))
         return await asyncio.shield(task)
 
@@ -269,7 +282,7 @@ class Stops:
             self._wanted.clear()
             for name, site in list(self._sites.items()):
                 if site.entry is not None and not site.sending:
-                    self._send(name, site, site.entry, latch=True)
+                    self._send(name, site, site.entry, REPEATED)
                 if site.unsaved and not site.saving.locked():
                     self._tasks.spawn(self._save(name, site))
                 if site.entry is not None or site.unsaved:

@@ -22,8 +22,9 @@ from dock_gateway.http.quotas import Quotas
 from dock_gateway.robots.robots import Robots
 from dock_gateway.settings import Settings
 from dock_hub import stop_routes
+from dock_hub.overview import Overview
 from dock_hub.stops import Stops
-from tests.dock_hub.test_stops import BERLIN, OSLO, TIMES, FakeSite, FakeSites, Store
+from tests.dock_hub.test_stops import BERLIN, OSLO, TIMES, Answer, FakeSite, FakeSites, Store
 from tests.support.audit import audit_parts
 from tests.support.history import HistoryInMemory
 
@@ -44,7 +45,10 @@ class Hub:
         stops = Stops(self.reach, Store(), TIMES)
         stops.open()
         self.parts.add(Stops, stops)
-        self.parts.add(Robots, SimpleNamespace(default_namespace="/"))  # type: ignore[arg-type]
+        names = [f"/{site}{robot}" for site in self.reach.names() for robot in self.site(site).robots]
+        robots = SimpleNamespace(default_namespace="/", namespaces=lambda: names)
+        self.parts.add(Robots, robots)  # type: ignore[arg-type]
+        self.parts.add(Overview, robots)  # type: ignore[arg-type]
         yield self.parts
         await stops.close()
 
@@ -68,10 +72,19 @@ def test_all_sites_are_stopped_and_released(hub: Hub) -> None:
     assert (report.canceling, report.unconfirmed) == (["a", "a"], ["/berlin/robot1/dock", "/oslo/robot1/dock"])
     assert (report.stop["by"], len(report.stop["robots"])) == ("Ada", 4)
     assert report.stopped == ["/berlin/robot1", "/berlin/robot2", "/oslo/robot1", "/oslo/robot2"]
+    assert report.stop["latched"]
+    assert hub.http.get("/stop").json() == report.stop
+    one = hub.http.get("/stop", params={"robot": "/berlin/robot1"}).json()
+    assert (one["latched"], one["robots"]) == (True, ["/berlin/robot1", "/berlin/robot2"])
+    hub.site(OSLO).stopped_at = "2026-11-30T11:00:00Z"
     released = hub.http.delete("/stop")
     assert released.status_code == 200
-    assert released.json()["sites"][OSLO] == {"released": True, "code": None, "detail": None}
+    sites = {name: {"released": True, "code": None, "detail": None} for name in (BERLIN, OSLO)}
+    state = {"latched": False, "stopped_at": None, "by": None, "robots": [], "persisted": True}
+    assert released.json() == state | {"sites": sites}
     assert not hub.site(OSLO).latched
+    again = hub.http.post("/stop", json={"by": "Bob"}).json()["stop"]
+    assert (again["stopped_at"], again["by"]) == ("2026-11-30T11:00:00Z", "Bob")
 
 
 def test_a_stop_that_is_not_confirmed_is_no_success(hub: Hub) -> None:
@@ -80,23 +93,79 @@ def test_a_stop_that_is_not_confirmed_is_no_success(hub: Hub) -> None:
     problem = answer.json()
     assert (answer.status_code, problem["code"]) == (504, "stop_incomplete")
     assert problem["sites"][BERLIN]["stopped"]
-    assert problem["sites"][OSLO] == {
-        "stopped": False,
-        "robots": [],
-        "halted": [],
-        "not_stopped": [],
-        "canceling": [],
-        "failed": [],
-        "unconfirmed": [],
-        "warning": None,
-        "code": "site_unreachable",
-        "detail": "the site oslo is not connected",
-        "repeated": True,
-    }
+    away = {"code": "site_unreachable", "detail": "the site oslo is not connected"}
+    assert problem["sites"][OSLO] == {"stopped": False, "warning": None, "repeated": True, **away}
+    assert (problem["stopped"], problem["not_stopped"]) == (
+        ["/berlin/robot1", "/berlin/robot2"],
+        ["/oslo/robot1", "/oslo/robot2"],
+    )
+    assert problem["failed"] == [{"action_name": None, "robot": "/oslo", **away}]
+    assert (problem["canceling"], problem["stop"]["latched"]) == (["a"], False)
     assert "1 of 2 sites (oslo: the site oslo is not connected)" in problem["detail"]
     released = hub.http.delete("/stop")
     assert (released.status_code, released.json()["code"]) == (504, "release_incomplete")
-    assert released.json()["sites"][BERLIN]["released"]
+    assert {name: site["released"] for name, site in released.json()["sites"].items()} == {BERLIN: True, OSLO: False}
+
+
+def test_a_site_that_does_not_answer_does_not_count_as_stopped(hub: Hub) -> None:
+    assert hub.http.post("/stop").status_code == 200
+    hub.site(OSLO).reachable = False
+    state = hub.http.get("/stop").json()
+    assert (state["latched"], state["stopped_at"]) == (False, None)
+    assert state["robots"] == ["/berlin/robot1", "/berlin/robot2"]
+    away = hub.http.get("/stop", params={"robot": "/oslo/robot1"})
+    assert (away.status_code, away.json()["code"]) == (503, "site_unreachable")
+    unknown = hub.http.get("/stop", params={"robot": "/paris"})
+    assert (unknown.status_code, unknown.json()["code"]) == (404, "site_not_found")
+
+
+def test_what_the_sites_report_besides_is_in_the_report_of_all(hub: Hub) -> None:
+    warning = {"code": "stop_not_persisted", "detail": "the disk is full", "status": 503}
+    berlin = hub.site(BERLIN)
+    berlin.warning, berlin.others = warning, [{"host": "b", "address": None, "robots": ["/fleet_b/*"]}]
+    hub.site(OSLO).others = [{"host": "o", "address": "http://o:8000", "robots": []}]
+    unknown = {"action_name": None, "robot": "/robot9", "code": "robot_not_found", "detail": "no robot /robot9"}
+    berlin.failed = [unknown]
+    report = hub.http.post("/stop", headers={"Prefer": "wait=2"}).json()
+    assert (report["warning"]["code"], report["stop"]["persisted"]) == ("stop_not_persisted", False)
+    assert report["warning"]["detail"] == report["sites"][BERLIN]["warning"] == "berlin: the disk is full"
+    assert [(each["host"], each["robots"]) for each in report["others"]] == [
+        ("b", ["/berlin/fleet_b/*"]),
+        ("o", ["/oslo", "/oslo/*"]),
+    ]
+    assert report["failed"] == [unknown | {"robot": "/berlin/robot9"}]
+    assert berlin.waits == [b"wait=2"]
+    hub.http.post("/stop", headers={"Prefer": "wait=200"})
+    assert berlin.waits[1:] == [b"wait=3"]  # the answer is to be here within 5 s
+
+
+def test_robots_that_are_not_meant_are_not_stopped(hub: Hub) -> None:
+    report = hub.http.post("/stop", params={"robot": "/berlin"}).json()
+    assert (len(report["stopped"]), report["not_stopped"]) == (2, ["/oslo/robot1", "/oslo/robot2"])
+
+
+def test_a_preference_that_is_none_is_a_warning(hub: Hub) -> None:
+    answer = hub.http.post("/stop", headers={"Prefer": "wait=soon"})
+    assert (answer.status_code, answer.json()["warning"]["errors"][0]["in"]) == (200, "header")
+    assert hub.site(BERLIN).latched
+
+
+def test_the_release_of_one_site_fails_as_it_does_there(hub: Hub) -> None:
+    hub.http.post("/stop")
+    hub.site(BERLIN).refusal = Answer(409, b'{"code": "stop_latched", "detail": "a stop of /hall holds for it"}')
+    one = hub.http.delete("/stop", params={"robot": "/berlin/robot1"})
+    assert (one.status_code, one.json()["code"]) == (409, "stop_latched")
+    all_of_them = hub.http.delete("/stop")
+    assert (all_of_them.status_code, all_of_them.json()["code"]) == (504, "release_incomplete")
+    assert all_of_them.json()["sites"][BERLIN] == {
+        "released": False,
+        "code": "stop_latched",
+        "detail": "a stop of /hall holds for it",
+    }
+    for nonsense in (b"[]", b"{}"):
+        hub.site(BERLIN).refusal = Answer(200, nonsense)
+        failed = hub.http.delete("/stop", params={"robot": "/berlin"})
+        assert (failed.status_code, failed.json()["code"]) == (502, "site_failed")
 
 
 def test_robots_of_sites_are_stopped(hub: Hub) -> None:
@@ -160,10 +229,7 @@ def test_an_answer_names_the_robots_of_the_user(reachable: bool) -> None:
     document = answer.json()
     assert answer.status_code == (200 if reachable else 504)
     assert {name: site["stopped"] for name, site in document["sites"].items()} == {BERLIN: True, OSLO: reachable}
-    assert [site["halted"] for site in document["sites"].values()] == [["/berlin/robot1"], []]
-    assert [site["not_stopped"] for site in document["sites"].values()] == [["/berlin/robot3"], []]
-    if reachable:
-        assert (document["stopped"], document["not_stopped"]) == (["/berlin/robot1"], ["/berlin/robot3"])
+    assert (document["stopped"], document["not_stopped"]) == (["/berlin/robot1"], ["/berlin/robot3"])
 
 
 names = st.one_of(

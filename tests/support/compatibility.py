@@ -277,13 +277,21 @@ def _choices(schema: Schema, document: Schema) -> list[Schema]:
 
 
 def _by_name(schemas: list[Schema], document: Schema) -> dict[str, Schema]:
-    """Return alternatives by their type; objects by the name of their schema, or by their fields."""
+    """Return alternatives by their type.
+
+    Objects that have a field `type` of one value, as events have, by that value; others by the name of their schema,
+    or by their fields.
+    """
     found: dict[str, Schema] = {}
     for schema in schemas:
-        name = _type(_resolved(schema, document))
+        resolved = _resolved(schema, document)
+        name = _type(resolved)
         if name == "object":
-            fields = ", ".join(sorted(schema.get("properties", {})))
-            name = schema["$ref"].rpartition("/")[2] if "$ref" in schema else f"{{{fields}}}"
+            fields = resolved.get("properties", {})
+            if "const" in fields.get("type", {}):
+                name = f"type {fields['type']['const']}"
+            else:
+                name = schema["$ref"].rpartition("/")[2] if "$ref" in schema else f"{{{', '.join(sorted(fields))}}}"
         found.setdefault(name, schema)
     return found
 

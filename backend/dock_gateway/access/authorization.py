@@ -13,7 +13,7 @@ from dock_gateway.access.logins import Logins
 from dock_gateway.access.scopes import require_covered
 from dock_gateway.access.tickets import Tickets
 from dock_gateway.core.access import ANYBODY, FORWARDED, Principal
-from dock_gateway.core.errors import NotAllowed
+from dock_gateway.core.errors import GatewayError, NotAllowed
 from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import Grant, Role
@@ -82,6 +82,14 @@ async def identify(connection: HTTPConnection) -> Principal:
     if not parts_of(connection)[Settings].serve_robots:
         return principal
     return replace(principal, grant=parts_of(connection)[Share].narrow(principal.grant))
+
+
+async def sees_all(connection: HTTPConnection) -> bool:
+    """Return whether a request that needs no login is one of a user without limits."""
+    try:
+        return not (await identify(connection)).grant.limited
+    except GatewayError:
+        return False
 
 
 async def _identify(connection: HTTPConnection) -> Principal:

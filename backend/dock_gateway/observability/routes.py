@@ -5,8 +5,8 @@ from dataclasses import replace
 from fastapi import APIRouter, Request
 
 from dock_gateway import __version__
-from dock_gateway.access.authorization import identify
-from dock_gateway.core.errors import GatewayError, Unavailable, not_covered
+from dock_gateway.access.authorization import sees_all
+from dock_gateway.core.errors import Unavailable, not_covered
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.grant import UNLIMITED
 from dock_gateway.fleet.alert_board import AlertBoard
@@ -65,7 +65,7 @@ async def readyz(request: Request, parts: AllParts, robot: RobotQuery = None) ->
 
     Without `robot`, it is about the configured robot, or the first one where there is none.
     """
-    sees_everything = await _sees_everything(request)
+    sees_everything = await sees_all(request)
     if robot is not None and not sees_everything:
         raise not_covered("robots by name here")
     name = parts[RobotRegistry].find(robot)
@@ -93,10 +93,3 @@ async def readyz(request: Request, parts: AllParts, robot: RobotQuery = None) ->
         "stop": stop,
     }
     return json_response(document, 200 if ready else 503)
-
-
-async def _sees_everything(request: Request) -> bool:
-    try:
-        return not (await identify(request)).grant.limited
-    except GatewayError:
-        return False

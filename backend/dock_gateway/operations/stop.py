@@ -6,6 +6,7 @@ from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.http.parts import Parts
 from dock_gateway.stop.order import StopOrder, releases_stop, stops_robots
+from dock_gateway.stop.stop_report import narrow_report
 from dock_gateway.stop.stopper import Stopper
 
 
@@ -29,16 +30,9 @@ async def stop(parts: Parts, principal: Principal, order: StopOrder, *, wait: fl
     try:
         report = await parts[Stopper].stop(*order.robots, latch=order.latch, by=order.by, wait=wait)
     except Unavailable as error:
-        _narrow(error.extra, principal)
+        error.extra = narrow_report(error.extra, principal.grant)
         raise
-    document = report.document()
-    _narrow(document, principal)
-    return {**document, "warning": order.warning(*report.problems)}
-
-
-def _narrow(document: dict[str, Any], principal: Principal) -> None:
-    for name in ("stopped", "not_stopped"):
-        document[name] = [robot for robot in document[name] if principal.grant.covers_robot(robot)]
+    return narrow_report(report.document(), principal.grant) | {"warning": order.warning(*report.problems)}
 
 
 @releases_stop

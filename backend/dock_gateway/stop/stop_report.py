@@ -1,9 +1,11 @@
 """The report of a stop: what it has done, and what failed."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from dock_gateway.core.errors import GatewayError
+from dock_gateway.core.grant import Grant
 
 
 @dataclass
@@ -66,3 +68,23 @@ def not_canceled(action_name: str, error: BaseException) -> dict[str, str | None
     if isinstance(error, GatewayError):
         code, detail = error.code, error.detail
     return {"action_name": action_name, "robot": None, "code": code, "detail": detail}
+
+
+def narrow_report(report: dict[str, Any], grant: Grant) -> dict[str, Any]:
+    """Return a report with the robots of a grant only."""
+    return report | {
+        name: [robot for robot in report[name] if grant.covers_robot(robot)] for name in ("stopped", "not_stopped")
+    }
+
+
+def together(stops: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Return several latches as one: latched if each of them is, since the first was."""
+    latched = bool(stops) and all(stop["latched"] for stop in stops)
+    first = min(stops, key=lambda stop: str(stop["stopped_at"])) if latched else {"stopped_at": None, "by": None}
+    return {
+        "latched": latched,
+        "stopped_at": first["stopped_at"],
+        "by": first["by"],
+        "robots": sorted({robot for stop in stops for robot in stop["robots"]}),
+        "persisted": all(stop["persisted"] for stop in stops),
+    }

@@ -19,7 +19,7 @@ from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.registry import Robot, RobotRegistry
 from dock_gateway.stop.running_stop import RunningStop
-from dock_gateway.stop.stop_report import StopReport, not_known, not_latched
+from dock_gateway.stop.stop_report import StopReport, not_known, not_latched, together
 
 log = logging.getLogger(__name__)
 
@@ -146,7 +146,7 @@ class Stopper:
         return report
 
     def _complete(self, report: StopReport, stops: dict[str, RunningStop]) -> None:
-        report.stop = _together([self._interlock.document(name) for name in stops])
+        report.stop = together([self._interlock.document(name) for name in stops])
         if self._share.limited and ALL_ROBOTS in stops:
             report.others = [claim.document() for claim in self._share.others()]
         for name, stop in stops.items():
@@ -260,16 +260,3 @@ def _keeping_on() -> Iterator[None]:
         yield
     except Exception:
         log.exception("a part of a stop failed")
-
-
-def _together(stops: list[dict[str, Any]]) -> dict[str, Any]:
-    """Return the latch of several robots: latched if each of them is, since the first was."""
-    latched = all(stop["latched"] for stop in stops)
-    first = min(stops, key=lambda stop: stop["stopped_at"]) if latched else {"stopped_at": None, "by": None}
-    return {
-        "latched": latched,
-        "stopped_at": first["stopped_at"],
-        "by": first["by"],
-        "robots": sorted({robot for stop in stops for robot in stop["robots"]}),
-        "persisted": all(stop["persisted"] for stop in stops),
-    }

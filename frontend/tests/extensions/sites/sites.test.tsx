@@ -168,7 +168,7 @@ describe("the overview of a hub", () => {
 });
 
 describe("a stop at a hub", () => {
-  const stopped = { stopped: true, robots: [], warning: null, code: null, detail: null, repeated: false };
+  const stopped = { stopped: true, warning: null, code: null, detail: null, repeated: false };
   const missed = {
     ...stopped,
     stopped: false,

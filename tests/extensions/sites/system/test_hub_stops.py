@@ -28,9 +28,12 @@ def test_a_stop_reaches_a_site_that_was_away(shared_domain: int, tmp_path: Path)
         hub.wait_for_site("berlin")
         stopped = hub.http.post("/stop", json={"by": "Ada"})
         assert stopped.status_code == 200, stopped.text
-        assert stopped.json()["sites"]["berlin"]["robots"] == ["/berlin"]
+        report = stopped.json()
+        assert report["stopped"] == report["stop"]["robots"] == hub.get("/stop")["robots"] == ["/berlin"]
+        assert report["stop"]["latched"]
         assert berlin.http.get("/stop").json()["by"] == "hub"
-        assert hub.http.delete("/stop").raise_for_status().json()["sites"]["berlin"]["released"]
+        released = hub.http.delete("/stop").raise_for_status().json()
+        assert (released["latched"], released["sites"]["berlin"]["released"]) == (False, True)
         assert not berlin.http.get("/stop").json()["latched"]
         of_site = hub.http.post("/sites/berlin//STOP;v=1/", json={"by": "Ada"}).raise_for_status().json()
         assert (of_site["stopped"], of_site["stop"]["latched"]) == (["/"], True)
@@ -42,6 +45,8 @@ def test_a_stop_reaches_a_site_that_was_away(shared_domain: int, tmp_path: Path)
         missed = hub.http.post("/stop", params={"robot": "/berlin"})
         assert (missed.status_code, missed.json()["code"]) == (504, "stop_incomplete")
         assert missed.json()["sites"]["berlin"]["repeated"]
+        assert (missed.json()["stopped"], missed.json()["not_stopped"]) == ([], ["/berlin"])
+        assert not hub.get("/stop")["latched"]
         with hub.stream("/ws/feedback?include=robots") as stream:
             (site,) = until_event(stream, type="snapshot")["sites"]
             assert site["stop"]["pending"]["robots"] == ["/berlin"]
