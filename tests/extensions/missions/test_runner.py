@@ -188,7 +188,9 @@ async def test_of_two_ends_the_first_counts() -> None:
 async def test_an_end_whose_gateway_was_killed_is_moved_by_another() -> None:
     site = Site()
     mission = progress.start(queued(DOCK), NOON)
-    site.store.known["a"] = progress.succeed(mission, NOON)
+    for mission_id in ("a", "b"):
+        site.store.known[mission_id] = progress.succeed(mission, NOON)
+    assert (await site.ended("b")).status is MissionStatus.SUCCEEDED
     assert (await site.ended()).status is MissionStatus.SUCCEEDED
     assert site.server.goals == {}
 

@@ -54,7 +54,7 @@ class MissionBook(SharedEntries[MissionEntry]):
         Raises:
             Unavailable: The history does not answer (`history_unavailable`).
         """
-        for mission_id, mission in (await super().read()).items():
+        for mission_id, mission in [*(await super().read()).items()]:
             if mission.status.ended:  # its gateway was killed before it was moved
                 await self._move_to_past(mission_id, mission)
         missions = self.all()
