@@ -1,4 +1,7 @@
-"""The black box: hears every robot all the time, and writes a file of each goal while it runs."""
+"""The black box: hears every robot all the time, and writes a file of each goal while it runs.
+
+A goal that has succeeded before the first piece is due costs no file: nothing is to be kept of it.
+"""
 
 import asyncio
 import logging
@@ -6,6 +9,7 @@ import time
 from contextlib import suppress
 
 from dock_gateway.core.audit import AuditEntry
+from dock_gateway.core.event import utc_now
 from dock_gateway.core.filters import is_under
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.tasks import Tasks
@@ -35,15 +39,20 @@ MAX_RECORDING, MAX_SAID = 200_000_000, 1_000_000_000
 
 
 class _Running:
-    """A goal that is being recorded."""
+    """A goal that is being recorded.
+
+    Attributes:
+        seen: Number of the last message in the ring that is not to be written any more; None: nothing is due yet.
+    """
 
     def __init__(self, goal: Goal, robot: str, collector: RobotCollector) -> None:
         self.goal = goal
         self.robot = robot
         self.collector = collector
         self.ends_at: float | None = None
-        self.seen = collector.ring.mark(BEFORE)
+        self.began_at = time.monotonic()
         self.began_ns = time.time_ns() - int(BEFORE * 1e9)
+        self.seen: int | None = None
         self.state: object = None
         self.opened: OpenRecording | None = None
         self.elsewhere = False  # another gateway on this machine records it in the same folder
@@ -93,6 +102,7 @@ class Recorder:
         self._changed = asyncio.Event()
         self._choosing = asyncio.Lock()
         self._closing = asyncio.Event()
+        self._since = utc_now()
         self._tasks = Tasks("recording")
         self._tasks.spawn(self._follow_topics())
         self._writing = self._tasks.spawn(self._write_on())
@@ -125,11 +135,12 @@ class Recorder:
         """Subscribe to what is to be heard of the robots, and leave the rest."""
         robots = self._robots.namespaces()
         recorded = {running.robot for running in self._running.values()}
+        written = {running.robot for running in self._running.values() if running.seen is not None}
         wanted = dict.fromkeys((*recorded.intersection(robots), *robots[: self._settings.recording_buffer_robots]))
         for robot in self._collectors.keys() - wanted.keys() - recorded:
             await self._collectors.pop(robot).listen(self._relays, {})
         for robot in wanted:
-            await self._collector(robot).listen(self._relays, self._topics(robot, pictures=robot in recorded))
+            await self._collector(robot).listen(self._relays, self._topics(robot, pictures=robot in written))
 
     def _topics(self, robot: str, *, pictures: bool) -> dict[str, Wanted]:
         """Return what to listen to. Cameras only where a goal runs: they fill a network, and many rest unless heard."""
@@ -161,19 +172,34 @@ class Recorder:
             if robot is None:
                 self._store.note(goal.goal_id, "Its action belongs to no robot.")
                 return
+            if robot.namespace not in self._collectors:
+                self._changed.set()
             running = _Running(goal, robot.namespace, self._collector(robot.namespace))
             self._running[goal.goal_id] = running
-            self._changed.set()
-            self._tasks.spawn(self._note_parameters(running))
         running.ends_at = None
         self._note_state(running)
 
     def end(self, goal: Goal) -> None:
-        """End the recording of a goal soon: it has ended, or is lost."""
+        """End the recording of a goal soon: it has ended, or is lost. One that nothing was written of ends at once."""
         running = self._running.get(goal.goal_id)
-        if running is not None and running.ends_at is None:
+        if running is None or running.ends_at is not None:
+            return
+        self._note_state(running)
+        reason = self._unwanted(goal)
+        # Of one that ran before this process, an earlier one may have left a file.
+        if running.seen is None and reason is not None and goal.created_at >= self._since:
+            self._store.note(goal.goal_id, reason)
+            self._stop(running)
+        else:
             running.ends_at = time.monotonic() + AFTER
-            self._note_state(running)
+
+    def _unwanted(self, goal: Goal) -> str | None:
+        """Return why nothing is kept of a goal that has ended; None: it is kept."""
+        if goal.unsent:
+            return "The goal was not sent to the action server."
+        if goal.status is GoalStatus.SUCCEEDED and self._settings.recordings != "all":
+            return "The goal succeeded, and only others are kept (`--recordings all`)."
+        return None
 
     async def _note_parameters(self, running: _Running) -> None:
         """Keep the parameters of the goal's server: by them its decisions can be replayed."""
@@ -240,8 +266,14 @@ class Recorder:
 
     async def _proceed(self, running: _Running, *, closing: bool = False) -> None:
         """Write what was heard since the last time, and finish the file if its time has come."""
-        ring = running.collector.ring
+        ring, age = running.collector.ring, time.monotonic() - running.began_at
         done = running.ends_at is not None and (closing or time.monotonic() >= running.ends_at)
+        if running.seen is None:
+            if age < FLUSH and not closing:
+                return
+            running.seen = ring.mark(BEFORE + age)
+            self._changed.set()
+            self._tasks.spawn(self._note_parameters(running))
         samples: list[Sample] = []
         if not (running.elsewhere or (running.full and not done)):
             samples = ring.after(running.seen)
@@ -274,13 +306,10 @@ class Recorder:
         opened.file.write(samples)
         if not done:
             return
-        succeeded = goal.status is GoalStatus.SUCCEEDED
-        if goal.unsent:
-            self._store.forget(opened, goal_id, "The goal was not sent to the action server.")
-        elif succeeded and self._settings.recordings != "all":
-            self._store.forget(opened, goal_id, "The goal succeeded, and only others are kept (`--recordings all`).")
+        if (reason := self._unwanted(goal)) is not None:
+            self._store.forget(opened, goal_id, reason)
         else:
-            self._store.finish(opened, goal_id, running.about(), failed=not succeeded)
+            self._store.finish(opened, goal_id, running.about(), failed=goal.status is not GoalStatus.SUCCEEDED)
 
     def _give_up(self, running: _Running, reason: str) -> None:
         """Record a goal no more; its next event begins a new file, if there is room again."""
@@ -291,7 +320,8 @@ class Recorder:
 
     def _stop(self, running: _Running) -> None:
         self._running.pop(running.goal.goal_id, None)
-        self._changed.set()
+        if running.seen is not None:
+            self._changed.set()
 
     @property
     def robots(self) -> int:

@@ -67,8 +67,12 @@ class Recordings:
     async def describe(self, goals: Sequence[Goal], grant: Grant) -> list[dict[str, Any]]:
         """Return the recording of each goal as `GoalRecording` has it; a picture only if the grant covers it."""
         running = {goal.goal_id for goal in goals if self.is_running(goal.goal_id)}
-        found = await asyncio.to_thread(self._look, [goal.goal_id for goal in goals if goal.goal_id not in running])
+        unknown = [goal.goal_id for goal in goals if goal.goal_id not in running and self._may_have(goal.goal_id)]
+        found = await asyncio.to_thread(self._look, unknown) if unknown else {}
         return [self._describe(goal, found.get(goal.goal_id), grant, running=goal.goal_id in running) for goal in goals]
+
+    def _may_have(self, goal_id: str) -> bool:
+        return self._store.why_none(goal_id) is None
 
     def _look(self, goal_ids: Iterable[str]) -> dict[str, tuple[Recording, str | None]]:
         """Return the recordings that there are, and the topic of the picture of each."""

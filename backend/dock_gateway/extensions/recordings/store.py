@@ -95,7 +95,7 @@ class RecordingStore:
         return found
 
     def why_none(self, goal_id: str) -> str | None:
-        """Return why a goal has no recording, if that is known."""
+        """Return why a goal has no recording, if that is known: then there is none."""
         return self._reasons.get(goal_id)
 
     def note(self, goal_id: str, reason: str) -> None:
@@ -155,6 +155,7 @@ class RecordingStore:
         """
         opened.finish(about)
         self._place(opened.part, goal_id, failed=failed)
+        self._reasons.pop(goal_id, None)  # why there was none until now
 
     def _place(self, part: Path, goal_id: str, *, failed: bool) -> None:
         kind, other = ("failed", "succeeded") if failed else ("succeeded", "failed")
