@@ -14,6 +14,20 @@ from dock_gateway.storage.tables import goal_notes, goal_tags, goals
 MAX_NOTES = 100  # on one goal
 MAX_TAGS_LISTED = 1000
 
+# Built once, as each goal that is read asks for both: that takes longer than SQLite takes to run them.
+_NOTES = (
+    sa.select(
+        goal_notes.c.goal_id, goal_notes.c.note_id, goal_notes.c.author, goal_notes.c.written_at, goal_notes.c.text
+    )
+    .where(goal_notes.c.goal_id.in_(sa.bindparam("goal_ids", expanding=True)))
+    .order_by(goal_notes.c.written_at, goal_notes.c.note_id)
+)
+_TAGS = (
+    sa.select(goal_tags)
+    .where(goal_tags.c.goal_id.in_(sa.bindparam("goal_ids", expanding=True)))
+    .order_by(goal_tags.c.tag)
+)
+
 
 @dataclass(frozen=True)
 class Note:
@@ -88,13 +102,8 @@ def delete_of(connection: sa.Connection, goal_ids: Collection[str]) -> None:
 
 
 def _notes_of(connection: sa.Connection, goal_ids: Collection[str]) -> dict[str, GoalNotes]:
-    query = sa.select(
-        goal_notes.c.goal_id, goal_notes.c.note_id, goal_notes.c.author, goal_notes.c.written_at, goal_notes.c.text
-    )
-    query = query.where(goal_notes.c.goal_id.in_(list(goal_ids)))
-    query = query.order_by(goal_notes.c.written_at, goal_notes.c.note_id)
     notes: dict[str, list[Note]] = {}
-    for goal_id, *note in connection.execute(query):
+    for goal_id, *note in connection.execute(_NOTES, {"goal_ids": list(goal_ids)}):
         notes.setdefault(goal_id, []).append(Note(*note))
     tags = _tags_of(connection, goal_ids)
     return {goal_id: GoalNotes(tags.get(goal_id, ()), tuple(notes.get(goal_id, ()))) for goal_id in {*tags, *notes}}
@@ -102,8 +111,7 @@ def _notes_of(connection: sa.Connection, goal_ids: Collection[str]) -> dict[str,
 
 def _tags_of(connection: sa.Connection, goal_ids: Collection[str]) -> dict[str, tuple[str, ...]]:
     found: dict[str, tuple[str, ...]] = {}
-    query = sa.select(goal_tags).where(goal_tags.c.goal_id.in_(list(goal_ids))).order_by(goal_tags.c.tag)
-    for row in connection.execute(query):
+    for row in connection.execute(_TAGS, {"goal_ids": list(goal_ids)}):
         found[row.goal_id] = (*found.get(row.goal_id, ()), row.tag)
     return found
 

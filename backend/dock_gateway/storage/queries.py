@@ -38,6 +38,7 @@ _GOALS_BY_ID = (
     sa.select(goals).where(goals.c.goal_id.in_(sa.bindparam("goal_ids", expanding=True))).order_by(goals.c.goal_id)
 )
 _LOCKED_GOALS_BY_ID = _GOALS_BY_ID.with_for_update()
+_EVENTS_BY_KEY = sa.select(events).where(events.c.key.in_(sa.bindparam("keys", expanding=True)))
 _UPDATE_GOAL = sa.update(goals).where(goals.c.goal_id == sa.bindparam("this_goal"))
 
 
@@ -75,8 +76,8 @@ def seal(connection: sa.Connection, batch: Batch) -> dict[str, Event]:
     write(connection, batch)
     if not batch.events:
         return {}
-    query = sa.select(events).where(events.c.key.in_([event.key for event in batch.events]))
-    return {row["key"]: event_of(row) for row in connection.execute(query).mappings()}
+    result = connection.execute(_EVENTS_BY_KEY, {"keys": [event.key for event in batch.events]})
+    return {row["key"]: event_of(row) for row in result.mappings()}
 
 
 def _write_goals(connection: sa.Connection, news: dict[str, Goal]) -> None:
