@@ -71,3 +71,29 @@ def test_the_architecture_names_what_is_in_a_folder(folder: str) -> None:
             continue  # what was deleted may have left its compiled modules
         if path.suffix in ("", ".py", ".ts", ".tsx") and path.is_file() == bool(path.suffix) and "__" not in path.name:
             assert {path.name, path.stem} & named, path.name
+
+
+def layers_of(heading: str) -> list[str]:
+    """Return the packages, modules and folders that a table of the architecture has, in its order."""
+    page = (ROOT / "docs/architecture.md").read_text()
+    section = page.partition(f"\n## {heading}\n")[2].partition("\n## ")[0]
+    cells = re.findall(r"^\| (`.*?`) \|", section, re.MULTILINE)
+    names = [name.removesuffix(".py") for cell in cells for name in re.findall(r"`([^`]+)`", cell)]
+    return [name.split("/")[0] for name in names]
+
+
+def test_the_architecture_has_the_gateways_layers_in_their_order() -> None:
+    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
+    (layers,) = [each["layers"] for each in contracts if each["name"] == "the gateway's layers"]
+    height = {name: at for at, layer in enumerate(layers) for name in layer.split(" | ")}
+    assert height.pop("__main__") == 0
+    shown = layers_of("The gateway's layers")
+    assert sorted(shown) == sorted(height)
+    assert shown == sorted(shown, key=height.__getitem__)
+
+
+def test_the_architecture_has_the_dashboards_layers_in_their_order() -> None:
+    source = (ROOT / "frontend/layers.mjs").read_text().partition("const LAYERS = [")[2].partition("\n];")[0]
+    layers = dict.fromkeys(name.split("/")[0] for name in re.findall(r'"([^"]+)"', source))
+    shown = [name for name in layers_of("Inside the dashboard") if name not in ("..", "extensions")]
+    assert shown == [*layers]
