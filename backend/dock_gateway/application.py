@@ -79,7 +79,7 @@ def build_app(
         contents: What its documents say besides.
 
     Raises:
-        Undeclared: A route does not say what it needs, or is there twice.
+        BadRoute: A route does not say what it needs, would not be in the audit log, or is there twice.
     """
 
     @asynccontextmanager

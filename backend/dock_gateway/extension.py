@@ -25,7 +25,7 @@ from dock_gateway.fleet import alert_kinds
 from dock_gateway.fleet.alert import Alert
 from dock_gateway.fleet.alert_kinds import AlertKind
 from dock_gateway.goals.goal_documents import GoalDocuments, GoalField
-from dock_gateway.http.operation import Undeclared
+from dock_gateway.http.operation import BadRoute
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Limit
 from dock_gateway.settings import ExtensionSettings, Settings
@@ -100,14 +100,14 @@ class Installed:
         """Import extensions.
 
         Raises:
-            Undeclared: A route of one does not say which role it needs.
+            BadRoute: A route of one does not say which role it needs.
         """
         found: list[Extension] = []
         failed: dict[str, Exception] = {}
         for name in names:
             try:
                 found.append(find_extension(name))
-            except Undeclared:
+            except BadRoute:
                 raise
             except Exception as error:  # noqa: BLE001 - logged by `_fail`
                 failed[name] = error
@@ -154,13 +154,13 @@ class Installed:
         """Return their routers, without those that cannot be imported.
 
         Raises:
-            Undeclared: A route does not say which role it needs.
+            BadRoute: A route does not say which role it needs.
         """
         routers: list[APIRouter] = []
         for each in self:
             try:
                 routers += each.routes(settings)
-            except Undeclared:
+            except BadRoute:
                 raise
             except Exception as error:  # noqa: BLE001 - logged by `_fail`
                 self._fail(each.name, error)

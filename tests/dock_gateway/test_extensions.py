@@ -24,7 +24,7 @@ from dock_gateway.core.grant import Role
 from dock_gateway.extension import Extension, Installed, extensions
 from dock_gateway.extension_list import GROUP, OURS
 from dock_gateway.fleet import alert_kinds
-from dock_gateway.http.operation import Scope, Undeclared, operation
+from dock_gateway.http.operation import DuplicateRoute, Scope, Undeclared, operation
 from dock_gateway.http.parts import Part as RoutePart
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.route import ApiRoute
@@ -199,7 +199,7 @@ def test_a_route_that_is_there_already_keeps_the_app_from_being_made() -> None:
         router.get("/robots")(operation(Role.VIEWER, Scope.ANY)(test_each_has_a_page_and_tests))
         return [router]
 
-    with pytest.raises(Undeclared, match="two routes are GET /robots"):
+    with pytest.raises(DuplicateRoute, match="two routes are GET /robots"):
         create_app(Settings(), installed=Installed([Extension("bad", routes=routes)]))
 
 

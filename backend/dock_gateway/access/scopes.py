@@ -10,7 +10,7 @@ from dock_gateway.core.share import Share
 from dock_gateway.goals.approvals import Approvals
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.robot_actions import RobotActions
-from dock_gateway.http.operation import ABOUT_ROBOTS, Scope
+from dock_gateway.http.operation import Scope, Trait
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.requests import read_goal_id
 from dock_gateway.http.subject import Names, Subject, read_subject
@@ -40,7 +40,7 @@ async def require_covered(parts: Parts, grant: Grant, scope: Scope, names: Names
     of_topics = scope in (Scope.TOPIC, Scope.PUBLISHING)  # a grant may be limited to some topics alone
     if of_topics or (grant.limited and scope not in (Scope.ANY, Scope.LISTED)):
         await _require_granted(parts, grant.own, subject, what)
-    if grant.share is not None and scope in ABOUT_ROBOTS:
+    if grant.share is not None and Trait.ABOUT_ROBOTS in scope.traits:
         await _require_served(parts, grant.own, subject)
 
 

@@ -1,9 +1,9 @@
 """Declares on a function what the operation needs: role, scope, audit and quota. Each door to it needs the same."""
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import KW_ONLY, dataclass, replace
 from enum import Enum, auto
-from typing import Any, TypeVar
+from typing import Any, Self, TypeVar
 
 from starlette.routing import BaseRoute
 
@@ -15,76 +15,48 @@ F = TypeVar("F", bound=Callable[..., object])
 Read = Callable[[Principal, object], Mapping[str, Any]]
 
 
+class Trait(Enum):
+    """What follows for every request or command of a scope."""
+
+    ABOUT_ROBOTS = auto()  # another gateway may have to be asked: `ServedElsewhere`
+    NAMED = auto()  # there may be none of that name; a robot need not be there, where its history is read
+    TYPED = auto()  # it has a type of ROS, whose package may be missing
+
+
 class Scope(Enum):
-    """The subject of a request or a command, which the user's grant has to include."""
+    """The subject of a request or a command, which the user's grant has to include.
 
-    ANY = auto()  # nothing that a grant is limited to
-    LISTED = auto()  # what the grant includes: the route leaves out the rest
-    ROBOT = auto()  # the robot in `robot`; the configured one if none is named
-    ROBOTS = auto()  # the robot in `robot` and those below it; every robot if none is named
-    DOCK = auto()  # its docking action
-    UNDOCK = auto()  # its undocking action
-    ACTION = auto()  # the action in `name`
-    GOAL = auto()  # the action of the goal in `goal_id`
-    NEW_GOAL = auto()  # the action in `action`, or the docking action of `robot`
-    ALERT = auto()  # the robot of the alert in `alert_id`
-    APPROVAL = auto()  # the action of the goal that waits for approval, in `approval_id`
-    TOPIC = auto()  # the topic in `name` or `topic`
-    LOOKED_AT = auto()  # the node in `node` or the service in `service`, which are only looked at
-    SERVICE = auto()  # the service in `service`, which is called
-    NODE = auto()  # the node in `node`, whose parameters are set
-    PUBLISHING = auto()  # the topic in `topic`, on which something is published
-    EVERY = auto()  # every robot
+    Attributes:
+        traits: What follows from it.
+    """
 
+    traits: tuple[Trait, ...]
 
-# What another gateway may have to be asked for: `ServedElsewhere`.
-ABOUT_ROBOTS = frozenset(
-    {
-        Scope.ROBOT,
-        Scope.ROBOTS,
-        Scope.DOCK,
-        Scope.UNDOCK,
-        Scope.ACTION,
-        Scope.GOAL,
-        Scope.NEW_GOAL,
-        Scope.SERVICE,
-        Scope.NODE,
-        Scope.PUBLISHING,
-    }
-)
+    def __new__(cls, value: str, *traits: Trait) -> Self:
+        """Make a member of its value and its traits."""
+        member = object.__new__(cls)
+        member._value_ = value
+        member.traits = traits
+        return member
 
-# What is named, so that there may be none of that name. A robot need not be there, where its history is read.
-NAMED = frozenset(
-    {
-        Scope.DOCK,
-        Scope.UNDOCK,
-        Scope.ACTION,
-        Scope.GOAL,
-        Scope.NEW_GOAL,
-        Scope.ALERT,
-        Scope.APPROVAL,
-        Scope.TOPIC,
-        Scope.LOOKED_AT,
-        Scope.SERVICE,
-        Scope.NODE,
-        Scope.PUBLISHING,
-    }
-)
-
-
-# What has a type of ROS, whose package may be missing.
-TYPED = frozenset(
-    {
-        Scope.DOCK,
-        Scope.UNDOCK,
-        Scope.ACTION,
-        Scope.NEW_GOAL,
-        Scope.TOPIC,
-        Scope.LOOKED_AT,
-        Scope.SERVICE,
-        Scope.PUBLISHING,
-    }
-)
+    ANY = "any"  # nothing that a grant is limited to
+    LISTED = "listed"  # what the grant includes: the route leaves out the rest
+    EVERY = "every"  # every robot
+    ROBOT = "robot", Trait.ABOUT_ROBOTS  # the robot in `robot`; the configured one if none is named
+    ROBOTS = "robots", Trait.ABOUT_ROBOTS  # the robot in `robot` and those below it; every robot if none is named
+    DOCK = "dock", Trait.ABOUT_ROBOTS, Trait.NAMED, Trait.TYPED  # its docking action
+    UNDOCK = "undock", Trait.ABOUT_ROBOTS, Trait.NAMED, Trait.TYPED  # its undocking action
+    ACTION = "action", Trait.ABOUT_ROBOTS, Trait.NAMED, Trait.TYPED  # the action in `name`
+    # The action in `action`, or the docking action of `robot`.
+    NEW_GOAL = "new_goal", Trait.ABOUT_ROBOTS, Trait.NAMED, Trait.TYPED
+    GOAL = "goal", Trait.ABOUT_ROBOTS, Trait.NAMED  # the action of the goal in `goal_id`
+    ALERT = "alert", Trait.NAMED  # the robot of the alert in `alert_id`
+    APPROVAL = "approval", Trait.NAMED  # the action of the goal that waits for approval, in `approval_id`
+    TOPIC = "topic", Trait.NAMED, Trait.TYPED  # the topic in `name` or `topic`
+    PUBLISHING = "publishing", Trait.ABOUT_ROBOTS, Trait.NAMED, Trait.TYPED  # the topic in `topic`, to publish on it
+    LOOKED_AT = "looked_at", Trait.NAMED, Trait.TYPED  # the node in `node` or the service in `service`, to be shown
+    SERVICE = "service", Trait.ABOUT_ROBOTS, Trait.NAMED, Trait.TYPED  # the service in `service`, which is called
+    NODE = "node", Trait.ABOUT_ROBOTS, Trait.NAMED  # the node in `node`, whose parameters are set
 
 
 class Audit(Enum):
@@ -100,6 +72,8 @@ class Audit(Enum):
 class Operation:
     """The requirements of a request or a command.
 
+    As a decorator, `@operation(role, scope)`, it declares them on the function, under the decorator of the route.
+
     Attributes:
         role: The role; None if it needs no login.
         scope: Its subject, which the user's grant has to include.
@@ -114,7 +88,8 @@ class Operation:
     role: Role | None
     scope: Scope
     audit: Audit = Audit.CHANGES
-    errors: frozenset[int] = frozenset()
+    _: KW_ONLY
+    errors: Collection[int] = ()
     sends_goal: bool = False
     reads_body: bool = False
     any_query: bool = False
@@ -124,41 +99,23 @@ class Operation:
         """Whether the audit log has a request with this method."""
         return self.audit in (Audit.ALWAYS, Audit.STORED_FIRST) or (self.audit is Audit.CHANGES and method not in READS)
 
+    def __call__(self, function: F) -> F:
+        """Declare on an endpoint or a command that it needs this."""
+        function.operation = self  # type: ignore[attr-defined]
+        return function
 
-def operation(
-    role: Role,
-    scope: Scope,
-    audit: Audit = Audit.CHANGES,
-    *,
-    errors: Iterable[int] = (),
-    sends_goal: bool = False,
-    reads_body: bool = False,
-    any_query: bool = False,
-    read: Read | None = None,
-) -> Callable[[F], F]:
-    """Declare what an endpoint or a command needs. It stands under the decorator of the route.
 
-    Args:
-        role: The role that it needs.
-        scope: Its subject, which the user's grant has to include.
-        audit: Whether the audit log has it.
-        errors: Statuses of its errors, besides those that follow from the rest.
-        sends_goal: Whether it sends a goal.
-        reads_body: Whether the endpoint reads the body itself.
-        any_query: Whether a request may have query parameters that the endpoint does not have.
-        read: Reads the request of a command into its fields. None: the request itself has the fields.
-    """
-    return _declare(Operation(role, scope, audit, frozenset(errors), sends_goal, reads_body, any_query, read))
+operation = Operation
 
 
 def public_operation(
-    audit: Audit = Audit.CHANGES, *, errors: Iterable[int] = (), any_query: bool = False
-) -> Callable[[F], F]:
+    audit: Audit = Audit.CHANGES, *, errors: Collection[int] = (), any_query: bool = False
+) -> Operation:
     """Declare that an endpoint needs no login: a health check, or the login itself."""
-    return _declare(Operation(None, Scope.ANY, audit, frozenset(errors), any_query=any_query))
+    return Operation(None, Scope.ANY, audit, errors=errors, any_query=any_query)
 
 
-def carries_out(function: Callable[..., object], scope: Scope | None = None) -> Callable[[F], F]:
+def carries_out(function: Callable[..., object], scope: Scope | None = None) -> Operation:
     """Declare that an endpoint or a command carries out an operation, and needs what that needs.
 
     Args:
@@ -166,15 +123,7 @@ def carries_out(function: Callable[..., object], scope: Scope | None = None) -> 
         scope: Its subject, where this door names it by other fields than the operation does.
     """
     declared = operation_of(function)
-    return _declare(declared if scope is None else replace(declared, scope=scope))
-
-
-def _declare(declared: Operation) -> Callable[[F], F]:
-    def declare(function: F) -> F:
-        function.operation = declared  # type: ignore[attr-defined]
-        return function
-
-    return declare
+    return declared if scope is None else replace(declared, scope=scope)
 
 
 def find_operation(route: object) -> Operation | None:
@@ -183,8 +132,20 @@ def find_operation(route: object) -> Operation | None:
     return declared if isinstance(declared, Operation) else None
 
 
-class Undeclared(TypeError):
+class BadRoute(TypeError):
+    """The routes are such that no application can be made of them."""
+
+
+class Undeclared(BadRoute):
     """An endpoint or a command does not say what it needs."""
+
+
+class Unaudited(BadRoute):
+    """A route may change something, and the audit log would not have it."""
+
+
+class DuplicateRoute(BadRoute):
+    """There is a route for this method and path already."""
 
 
 def operation_of(function: object) -> Operation:
@@ -204,24 +165,25 @@ def require_declared(routes: Iterable[BaseRoute]) -> None:
     """Refuse routes that do not say what they need, and changes that the audit log would not have.
 
     Raises:
-        Undeclared: There is such a route.
+        Undeclared: A route does not say what it needs.
+        Unaudited: A route may change something that the audit log would not have.
     """
     for route in routes:
         declared = operation_of(getattr(route, "endpoint", route))
         if declared.audit is Audit.NEVER and (getattr(route, "methods", None) or set()) - READS:
-            raise Undeclared(f"{getattr(route, 'path', route)} may change something: the audit log must have it")
+            raise Unaudited(f"{getattr(route, 'path', route)} may change something: the audit log must have it")
 
 
 def require_distinct(routes: Iterable[BaseRoute]) -> None:
     """Refuse a second route for a method and a path: it would never be asked, or in place of the first.
 
     Raises:
-        Undeclared: There is such a route.
+        DuplicateRoute: There is such a route.
     """
     seen: set[tuple[str, str]] = set()
     for route in routes:
         for method in getattr(route, "methods", None) or ():
             asked = (method, getattr(route, "path", ""))
             if asked in seen:
-                raise Undeclared(f"two routes are {' '.join(asked)}")
+                raise DuplicateRoute(f"two routes are {' '.join(asked)}")
             seen.add(asked)

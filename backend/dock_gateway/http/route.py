@@ -10,7 +10,7 @@ from fastapi.routing import APIRoute
 
 from dock_gateway.http.bodies import BodyReader
 from dock_gateway.http.openapi import body
-from dock_gateway.http.operation import ABOUT_ROBOTS, NAMED, TYPED, Operation, operation_of
+from dock_gateway.http.operation import Operation, Trait, operation_of
 from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import Answer, known_query
 from dock_gateway.http.resource import Item, WriteCondition, described, has_condition
@@ -63,11 +63,11 @@ def documented_errors(operation: Operation, *, has_body: bool) -> set[int]:
         found.add(422)
     if has_body and not operation.reads_body:
         found |= {400, 408, 413, 415, 422, 429}
-    if operation.scope in NAMED:
+    if Trait.NAMED in operation.scope.traits:
         found.add(404)
-    if operation.scope in ABOUT_ROBOTS:
+    if Trait.ABOUT_ROBOTS in operation.scope.traits:
         found.add(421)
-    if operation.scope in TYPED:
+    if Trait.TYPED in operation.scope.traits:
         found.add(501)
     if operation.sends_goal:
         found.add(429)

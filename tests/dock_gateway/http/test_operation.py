@@ -9,7 +9,7 @@ from dock_gateway import app as app_module
 from dock_gateway.app import api_routers, create_app
 from dock_gateway.core.grant import Role
 from dock_gateway.extension import Extension, extensions
-from dock_gateway.http.operation import Audit, Operation, Scope, operation, operation_of
+from dock_gateway.http.operation import Audit, Operation, Scope, Unaudited, Undeclared, operation, operation_of
 from dock_gateway.settings import Settings
 from dock_gateway.streams.commands import COMMANDS
 from dock_gateway.streams.socket import OPERATIONS
@@ -61,7 +61,7 @@ def test_a_route_that_does_not_say_what_it_needs_keeps_the_app_from_being_made(m
     router = APIRouter()
     router.post("/change")(change)
     monkeypatch.setattr(app_module, "api_routers", lambda *_: (router,))
-    with pytest.raises(TypeError, match=r"test_operation\.change does not say which role it needs: put @operation"):
+    with pytest.raises(Undeclared, match=r"test_operation\.change does not say which role it needs: put @operation"):
         create_app(Settings())
 
 
@@ -73,7 +73,7 @@ def test_nothing_that_changes_something_is_kept_out_of_the_audit_log(monkeypatch
     router = APIRouter()
     router.post("/change")(secretly)
     monkeypatch.setattr(app_module, "api_routers", lambda *_: (router,))
-    with pytest.raises(TypeError, match="/change may change something: the audit log must have it"):
+    with pytest.raises(Unaudited, match="/change may change something: the audit log must have it"):
         create_app(Settings())
 
 
