@@ -47,7 +47,7 @@ from dock_hub.stops import Stops
 from dock_hub.store import HubStore
 
 # The topics that extensions of a gateway add to streams: they can be asked for, and there are no events of them.
-INCLUDES = ("map", "maps", "scan", "path")
+INCLUDES = ("map", "maps", "scan", "path", "missions")
 
 
 class NoLiveGoals:
