@@ -20,7 +20,7 @@ def _fits(case: schemathesis.Case) -> bool:
     if case.operation.path == "/battery/history":
         return not _is_reversed(query)
     if case.operation.path == "/statistics":  # most patterns are no time zone, and most spans are more than 400 days
-        return not _is_reversed(query) and "tz" not in query and query.get("by") in ("robot", "action")
+        return not _is_reversed(query) and "time_zone" not in query and query.get("by") in ("robot", "action")
     if case.operation.path == "/stop":
         return not _names_two_robots(query, case.body)
     if case.operation.path == "/tokens":

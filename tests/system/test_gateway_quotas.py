@@ -156,7 +156,7 @@ def test_calls_of_one_user_hold_up_no_other(people: People) -> None:
     people.gateway.http.delete("/stop", headers=bearer(people.admin)).raise_for_status()
 
     def call(who: str, service: str, timeout: float) -> Any:
-        path = f"/services/robot1/{service}?timeout={timeout}"
+        path = f"/services/robot1/{service}?timeout_s={timeout}"
         return people.gateway.http.post(path, json={}, headers=bearer(who)).json()
 
     with ThreadPoolExecutor(12) as pool:

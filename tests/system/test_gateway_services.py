@@ -91,10 +91,10 @@ def test_a_wrong_request_names_the_field_and_a_wrong_name_has_a_hint(open_gatewa
 
 
 def test_a_service_that_never_answers_harms_no_other(open_gateway: RunningGateway) -> None:
-    assert refusal(open_gateway, "POST", "/services/robot1/never", {}, timeout=0.2) == (504, "service_timeout")
+    assert refusal(open_gateway, "POST", "/services/robot1/never", {}, timeout_s=0.2) == (504, "service_timeout")
     with ThreadPoolExecutor(12) as pool:
         waiting = [
-            pool.submit(refusal, open_gateway, "POST", "/services/robot1/never", {}, timeout=2) for _ in range(12)
+            pool.submit(refusal, open_gateway, "POST", "/services/robot1/never", {}, timeout_s=2) for _ in range(12)
         ]
         status, _ = answered(open_gateway, "POST", "/services/robot1/echo", {"data": True})
         codes = [future.result()[1] for future in waiting]
@@ -105,7 +105,7 @@ def test_a_service_that_never_answers_harms_no_other(open_gateway: RunningGatewa
 def test_a_server_that_leaves_and_a_response_that_is_too_large_are_said(open_gateway: RunningGateway) -> None:
     assert refusal(open_gateway, "POST", "/services/robot1/huge", {}) == (502, "response_too_large")
     with ThreadPoolExecutor(1) as pool:
-        waiting = pool.submit(refusal, open_gateway, "POST", "/services/robot1/leave", {}, timeout=60)
+        waiting = pool.submit(refusal, open_gateway, "POST", "/services/robot1/leave", {}, timeout_s=60)
         answered(open_gateway, "POST", "/topics/robot1/chatter", {"data": "leave"})
         assert waiting.result() in ((503, "service_gone"), (503, "service_unavailable"), (404, "service_not_found"))
 

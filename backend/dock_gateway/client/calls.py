@@ -94,7 +94,7 @@ def call_service(name: str, request: Mapping[str, Any] | None, timeout: float) -
         f"/services/{quote(name.strip('/'))}",
         lambda answer: answer["response"],
         request or {},
-        {"timeout": timeout},
+        {"timeout_s": timeout},
         wait=timeout,
     )
 

@@ -43,8 +43,8 @@ class Alert:
         return alert_id(self.kind, self.robot, self.goal_id)
 
     def etag(self, acknowledgement: Acknowledgement | None) -> str:
-        """Return the entity tag of the alert, which changes with who has acknowledged it."""
-        return entity_tag([self.id, self.started_at, acknowledgement])
+        """Return the entity tag of the alert, which changes only with who has acknowledged it."""
+        return entity_tag([self.id, acknowledgement])
 
     def document(self, acknowledgement: Acknowledgement | None) -> dict[str, Any]:
         """Return the alert as `GET /alerts` shows it, ready for `orjson`."""

@@ -164,7 +164,7 @@ class Echo:
         event = _event(
             "rate",
             self._subscription.topic.name,
-            hz=round((heard.messages - before.messages) / (now - then), 2),
+            rate_hz=round((heard.messages - before.messages) / (now - then), 2),
             bytes_per_s=round((heard.size - before.size) / (now - then)),
             messages=heard.messages - self._first,
         )

@@ -45,7 +45,7 @@ class RateEvent(Schema):
     type: Literal["rate"]
     time: datetime
     topic: str
-    hz: float
+    rate_hz: float
     bytes_per_s: int
     messages: int
 

@@ -49,7 +49,7 @@ export function createCallsApi(http: Http) {
       (
         await settle(
           http.POST("/services/{service}", {
-            params: { path: { service: name }, query: { timeout: CALL_S } },
+            params: { path: { service: name }, query: { timeout_s: CALL_S } },
             pathSerializer: (url) => url.replace("{service}", actionPath(name)),
             body: {},
             bodySerializer: () => body,

@@ -59,7 +59,7 @@ function LiveEcho({ topic }: { topic: string }) {
   return (
     <>
       <FactList>
-        <Fact name="Rate">{rate === null ? "–" : formatRate(rate.hz)}</Fact>
+        <Fact name="Rate">{rate === null ? "–" : formatRate(rate.rate_hz)}</Fact>
         <Fact name="Size">{rate === null ? "–" : formatBytes(rate.bytes_per_s)}</Fact>
         <Fact name="Messages">{rate === null ? "–" : rate.messages}</Fact>
         <Fact name={held === null ? "Latest at" : "Paused at"}>

@@ -1,5 +1,6 @@
 """What is worth an alert, since when, and until when."""
 
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from types import SimpleNamespace
 from typing import Any
@@ -271,6 +272,13 @@ def test_ids_are_the_same_everywhere() -> None:
 def test_a_stop_that_is_not_stored() -> None:
     (alert,) = Looks().alerts(0, robot(latched=True, persisted=False))
     assert alert.detail.endswith("It is not stored: a restart of the gateway would lose it.")
+
+
+def test_the_version_of_an_alert_is_that_of_its_acknowledgement() -> None:
+    (alert,) = Looks().alerts(0, robot(latched=True))
+    seen, later = Acknowledgement("Ada", NOON), replace(alert, started_at=NOON + timedelta(seconds=1), detail="Other.")
+    assert alert.etag(None) == later.etag(None) != alert.etag(seen) == later.etag(seen)
+    assert alert.etag(seen) != alert.etag(Acknowledgement("Bob", NOON))
 
 
 def test_an_alert_as_a_document() -> None:

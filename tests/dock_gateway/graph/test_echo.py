@@ -169,7 +169,7 @@ async def test_the_topic_comes_first_then_messages_then_rates(echoes: Relays) ->
             {},
         )
         rate = await viewing.until(lambda event: event["type"] == "rate" and event["messages"] == 1)
-        assert rate["hz"] > 0
+        assert rate["rate_hz"] > 0
         FakePort.ports[0].say(b'{"a":"long enough"}')
         assert (await viewing.next("message"))["lengths"] == {"data": 500}
 

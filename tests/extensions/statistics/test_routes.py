@@ -94,7 +94,7 @@ RANGE = "since=2026-11-20T00:00:00Z&until=2026-11-23T00:00:00Z"
 
 def test_days(busy: Client) -> None:
     found = busy.get(f"/statistics?{RANGE}")
-    assert (found["by"], found["tz"], found["since"]) == ("day", "UTC", "2026-11-20T00:00:00Z")
+    assert (found["by"], found["time_zone"], found["since"]) == ("day", "UTC", "2026-11-20T00:00:00Z")
     assert [(group["key"], group["ended"]) for group in found["groups"]] == [
         ("2026-11-20", 3),
         ("2026-11-21", 0),
@@ -112,7 +112,7 @@ def test_days(busy: Client) -> None:
 
 
 def test_the_days_are_those_of_the_time_zone(busy: Client) -> None:
-    found = busy.get(f"/statistics?{RANGE}&tz=Europe/Berlin")
+    found = busy.get(f"/statistics?{RANGE}&time_zone=Europe/Berlin")
     assert [(group["key"], group["ended"]) for group in found["groups"]] == [
         ("2026-11-20", 2),
         ("2026-11-21", 1),
@@ -198,7 +198,7 @@ def test_docking_takes_longer_than_the_week_before(client: Client) -> None:
 @pytest.mark.parametrize("by", ["day", "robot", "action"])
 @pytest.mark.parametrize(
     "more",
-    ["", "&robot=/robot1", "&action=/robot1/dock&tz=Asia/Tokyo", "&origin=external", "&group=hall+1&tag=a+b"],
+    ["", "&robot=/robot1", "&action=/robot1/dock&time_zone=Asia/Tokyo", "&origin=external", "&group=hall+1&tag=a+b"],
 )
 def test_each_number_leads_to_its_goals(busy: Client, by: str, more: str) -> None:
     busy.group("/robot1", "hall 1")
@@ -230,12 +230,12 @@ def test_an_empty_history(client: Client) -> None:
         ("since=yesterday", "since"),
         ("since=2020-01-01T00:00:00Z&until=2026-11-22T00:00:00Z", "since"),
         ("by=dock", "by"),
-        ("tz=Europe/Atlantis", "tz"),
-        ("tz=Europe", "tz"),
-        ("tz=../../etc/passwd", "tz"),
-        ("tz=", "tz"),
-        ("tz=%00", "tz"),
-        (f"tz={'A' * 65}", "tz"),
+        ("time_zone=Europe/Atlantis", "time_zone"),
+        ("time_zone=Europe", "time_zone"),
+        ("time_zone=../../etc/passwd", "time_zone"),
+        ("time_zone=", "time_zone"),
+        ("time_zone=%00", "time_zone"),
+        (f"time_zone={'A' * 65}", "time_zone"),
         ("robot=robot%201", "robot"),
         ("group=", "group"),
         (f"group={'g' * 41}", "group"),

@@ -82,7 +82,7 @@ async def call_service(
     principal: ThePrincipal,
     *,
     type_name: TypeQuery = None,
-    timeout: TimeoutQuery = 5.0,
+    timeout_s: TimeoutQuery = 5.0,
 ) -> Answer[ServiceAnswer]:
     """Call a service and return its response. The body holds the fields of the request; `{}` sends its defaults.
 
@@ -90,6 +90,6 @@ async def call_service(
     """
     name = f"/{service}"
     fields = await read_json(request)
-    answer = await services.call_service(parts, principal, services.CallService(name, fields, type_name, timeout))
+    answer = await services.call_service(parts, principal, services.CallService(name, fields, type_name, timeout_s))
     response = await parts[ServiceCalls].encode(name, answer)
     return json_response({"service": name, "type": answer.type, "response": fragment(response)})

@@ -84,10 +84,10 @@ class Recordings:
     ) -> dict[str, Any]:
         if found is None:
             state, reason = "running" if running else "none", self._why_none(goal, running=running)
-            return {"state": state, "size": None, "picture": False, "reason": reason}
+            return {"state": state, "size_bytes": None, "picture": False, "reason": reason}
         recording, topic = found
         picture = topic is not None and grant.covers_topic(topic)
-        return {"state": "complete", "size": recording.size, "picture": picture, "reason": None}
+        return {"state": "complete", "size_bytes": recording.size, "picture": picture, "reason": None}
 
     async def narrowed(self, recording: Recording, grant: Grant) -> memoryview:
         """Return a recording with the topics that a grant covers.

@@ -12,7 +12,7 @@ class GoalRecording(Schema):
     """
 
     state: Literal["complete", "running", "none"]
-    size: int | None
+    size_bytes: int | None
     picture: bool
     reason: str | None
 

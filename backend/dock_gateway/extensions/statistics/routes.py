@@ -106,13 +106,13 @@ async def statistics(
     wanted: WantedQuery,
     *,
     by: ByQuery = "day",
-    tz: ZoneQuery = "UTC",
+    time_zone: ZoneQuery = "UTC",
 ) -> Answer[Statistics]:
     """Return how the goals ended that were created from `since` up to but not including `until`.
 
     `until` defaults to now, and `since` to 30 days before `until`.
     """
-    zone = read_zone(tz)
+    zone = read_zone(time_zone)
     whole = _span(wanted)
     days = divide(*whole, zone) if by == "day" else {"": whole}
     found = await tally_goals(history, wanted, list(days.values()), by_action=by != "day")
@@ -125,7 +125,7 @@ async def statistics(
         keys = robot_actions.robots_of(found[0]) if by == "robot" else {name: name for name in found[0]}
         groups = group(wanted, found[0], keys)
     document = await asyncio.to_thread(describe, wanted, groups)
-    return json_response({"since": whole[0], "until": whole[1], "by": by, "tz": tz} | document)
+    return json_response({"since": whole[0], "until": whole[1], "by": by, "time_zone": time_zone} | document)
 
 
 @router.get("/statistics/docking-time", openapi_extra=UNSTABLE)
@@ -169,7 +169,7 @@ def read_zone(name: str) -> ZoneInfo:
         return ZoneInfo(name)
     except (ZoneInfoNotFoundError, ValueError, OSError):  # such as the name of a folder of zones
         expected = "the name of a time zone, such as UTC or Europe/Berlin"
-        raise InvalidField([FieldError("tz", expected, f"got {name!r}", "query")]) from None
+        raise InvalidField([FieldError("time_zone", expected, f"got {name!r}", "query")]) from None
 
 
 def divide(since: datetime, until: datetime, zone: ZoneInfo) -> dict[str, Span]:

@@ -72,7 +72,7 @@ EXAMPLE: JsonValue = {
     "since": "2026-11-21T00:00:00Z",
     "until": "2026-11-22T00:00:00Z",
     "by": "robot",
-    "tz": "UTC",
+    "time_zone": "UTC",
     "total": {**_COUNTS, "goals_path": f"/goals?{_SPAN}"},
     "groups": [{"key": "/robot1", **_COUNTS, "goals_path": f"/goals?{_ACTION}&{_SPAN}"}],
 }
@@ -89,7 +89,7 @@ class Statistics(Schema):
     since: datetime
     until: datetime
     by: Literal["day", "robot", "action"]
-    tz: str
+    time_zone: str
     total: GoalCounts
     groups: list[GoalGroup]
 

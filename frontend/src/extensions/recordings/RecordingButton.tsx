@@ -30,7 +30,7 @@ export function RecordedPicture({ goal }: { goal: LiveGoal }) {
 export function RecordingButton({ goal }: { goal: LiveGoal }) {
   const { data } = useRecording(goal);
   if (data == null) return null;
-  if (data.size === null) {
+  if (data.size_bytes === null) {
     return (
       <ReasonButton variant="default" size="compact-sm" reason={data.reason ?? "There is none."}>
         Recording
@@ -39,7 +39,7 @@ export function RecordingButton({ goal }: { goal: LiveGoal }) {
   }
   return (
     <Button component="a" href={recordingUrl(goal.goal_id)} download variant="default" size="compact-sm">
-      Recording, {sizeText(data.size)}
+      Recording, {sizeText(data.size_bytes)}
     </Button>
   );
 }

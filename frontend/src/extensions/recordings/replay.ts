@@ -16,7 +16,7 @@ const OLD_S = 2;
 /** What the recording of a goal adds to its replay; null while it is not known, and without a recording. */
 export default function RecordedReplay({ goal, onLayer }: Places["replay"]): null {
   const { http } = useFleet();
-  const size = useRecording(goal).data?.size ?? null;
+  const size = useRecording(goal).data?.size_bytes ?? null;
   const { data } = useAnswer({
     queryKey: ["replay", goal.goal_id, size],
     queryFn: () => replayOf(http, goal.goal_id),

@@ -33,7 +33,7 @@ export const statisticsView = new Address<View>({
 export function toQuery({ time, by, robot, group, tags }: View, now: number): StatisticsQuery {
   return {
     by,
-    tz: zoneName(),
+    time_zone: zoneName(),
     ...(robot === null ? {} : { robot }),
     ...(group === null ? {} : { group }),
     ...(tags.length === 0 ? {} : { tag: [...tags] }),

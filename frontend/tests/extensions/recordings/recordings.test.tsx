@@ -8,7 +8,7 @@ import { fakeGateway, renderWithin, robotServices } from "../../page";
 it("has the recording with its size once it is complete, and says why there is none", async () => {
   let recording: object = {
     state: "running",
-    size: null,
+    size_bytes: null,
     picture: false,
     reason: "The goal is being recorded.",
   };
@@ -27,7 +27,7 @@ it("has the recording with its size once it is complete, and says why there is n
     "true",
   );
   expect(screen.getByText("The goal is being recorded.")).toBeDefined();
-  recording = { state: "complete", size: 3_400_000, picture: true, reason: null };
+  recording = { state: "complete", size_bytes: 3_400_000, picture: true, reason: null };
   const link = await screen.findByRole("link", { name: "Recording, 3.4 MB" }, { timeout: 5000 });
   expect(link.getAttribute("href")).toBe("/goals/a/recording.mcap");
   const picture = screen.getByRole("img", { name: "What the robot's camera saw last" });

@@ -46,7 +46,7 @@ const none = counts({
 
 function statistics(groups: GoalGroup[], change: Partial<Statistics> = {}): Statistics {
   const [since, until] = ["2026-11-20T00:00:00Z", "2026-11-22T00:00:00Z"];
-  return { since, until, by: "day", tz: "UTC", total: counts(), groups, ...change };
+  return { since, until, by: "day", time_zone: "UTC", total: counts(), groups, ...change };
 }
 
 const DAYS = statistics([
@@ -95,11 +95,11 @@ describe("the view", () => {
     const midnight = (day: number) =>
       new Date(`2026-11-${String(day).padStart(2, "0")}T00:00:00`).toISOString();
     const noon = Date.parse("2026-11-21T12:00:00");
-    expect(toQuery(read(""), noon)).toEqual({ by: "day", tz: zoneName(), since: midnight(15) });
+    expect(toQuery(read(""), noon)).toEqual({ by: "day", time_zone: zoneName(), since: midnight(15) });
     expect(toQuery(read("last=today&by=action&robot=/r"), noon)).toEqual({
       by: "action",
       robot: "/r",
-      tz: zoneName(),
+      time_zone: zoneName(),
       since: midnight(21),
     });
     expect(toQuery(read("group=Hall+1&tag=a&tag=b"), noon)).toMatchObject({

@@ -67,7 +67,7 @@ def test_a_recorded_goal_is_replayed(domain: int, observer: Observer, tmp_path: 
         with observer.publishing(CHARGING, "battery_status"):
             gateway.wait_for_goal(goal_id, "succeeded")
         path = f"/goals/{goal_id}"
-        wait_until(lambda: gateway.http.get(path).json()["recording"]["size"], "the recording")
+        wait_until(lambda: gateway.http.get(path).json()["recording"]["size_bytes"], "the recording")
         recording = tmp_path / "goal.mcap"
         recording.write_bytes(gateway.http.get(f"{path}/recording.mcap").raise_for_status().content)
 
@@ -107,7 +107,7 @@ def docking(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
             goal_id = gateway.http.post("/dock").raise_for_status().json()["goal_id"]
             gateway.wait_for_goal(goal_id, "succeeded")
         path = f"/goals/{goal_id}"
-        wait_until(lambda: gateway.http.get(path).raise_for_status().json()["recording"]["size"], "the recording")
+        wait_until(lambda: gateway.http.get(path).raise_for_status().json()["recording"]["size_bytes"], "the recording")
         file.write_bytes(gateway.http.get(f"{path}/recording.mcap").raise_for_status().content)
         yield file
 

@@ -36,8 +36,9 @@ def send(gateway: RunningGateway, status: int) -> str:
 
 
 def wait_for_recording(gateway: RunningGateway, goal_id: str) -> int:
+    path = f"/goals/{goal_id}"
     size: int = wait_until(
-        lambda: gateway.http.get(f"/goals/{goal_id}").raise_for_status().json()["recording"]["size"], "the recording"
+        lambda: gateway.http.get(path).raise_for_status().json()["recording"]["size_bytes"], "the recording"
     )
     return size
 
@@ -96,7 +97,7 @@ def test_a_failed_goal_leaves_a_recording_also_if_the_gateway_is_killed(domain: 
             messages = download(again, f"/goals/{interrupted}/recording.mcap", tmp_path)
             assert UUID(interrupted).bytes in {each.goal_id.uuid.tobytes() for each in messages[FEEDBACK]}
             known = again.http.get(f"/goals/{goal_id}").json()
-            assert known["recording"] == {"state": "complete", "size": size, "picture": False, "reason": None}
+            assert known["recording"] == {"state": "complete", "size_bytes": size, "picture": False, "reason": None}
             assert known in again.http.get("/goals").json()["goals"]
 
 
