@@ -51,7 +51,7 @@ test("a pause holds the message while the rate goes on", () => {
 test("a package that is missing is said; a rate there is all the same", () => {
   const state = after(initialEcho(0), { ...INSTALLED, installed: false, hint: "Install my_msgs." }, rate(1));
   expect(state.hint).toBe("Install my_msgs.");
-  expect(state.rate?.hz).toBe(1);
+  expect(state.rate?.rate_hz).toBe(1);
 });
 
 test("a rate from before the connection was lost is not shown", () => {

@@ -141,7 +141,7 @@ export class Client {
     timeout = 5,
   ): Promise<Record<string, unknown>> {
     const call = this.http.POST("/services/{service}", {
-      params: { path: { service: name }, query: { timeout } },
+      params: { path: { service: name }, query: { timeout_s: timeout } },
       pathSerializer: (path) => path.replace("{service}", actionPath(name)),
       body: request as Record<string, never>,
       signal: deadline((timeout + 10) * 1000),

@@ -3470,8 +3470,8 @@ export interface components {
              * @enum {string}
              */
             state: "complete" | "running" | "none";
-            /** Size */
-            size: number | null;
+            /** Size Bytes */
+            size_bytes: number | null;
             /** Picture */
             picture: boolean;
             /** Reason */
@@ -4545,8 +4545,8 @@ export interface components {
             time: string;
             /** Topic */
             topic: string;
-            /** Hz */
-            hz: number;
+            /** Rate Hz */
+            rate_hz: number;
             /** Bytes Per S */
             bytes_per_s: number;
             /** Messages */
@@ -5260,6 +5260,7 @@ export interface components {
          *         }
          *       ],
          *       "since": "2026-11-21T00:00:00Z",
+         *       "time_zone": "UTC",
          *       "total": {
          *         "duration_s": {
          *           "median": 31.204,
@@ -5289,7 +5290,6 @@ export interface components {
          *         },
          *         "success_rate": 0.95
          *       },
-         *       "tz": "UTC",
          *       "until": "2026-11-22T00:00:00Z"
          *     }
          */
@@ -5309,8 +5309,8 @@ export interface components {
              * @enum {string}
              */
             by: "day" | "robot" | "action";
-            /** Tz */
-            tz: string;
+            /** Time Zone */
+            time_zone: string;
             total: components["schemas"]["GoalCounts"];
             /** Groups */
             groups: components["schemas"]["GoalGroup"][];
@@ -7590,7 +7590,7 @@ export interface operations {
                 /** @description What the goals are grouped by */
                 by?: "day" | "robot" | "action";
                 /** @description The time zone of the days, as in the IANA database */
-                tz?: string;
+                time_zone?: string;
                 /** @description Namespace of the robot, such as `/robot1`: it and those below are meant; by default all */
                 robot?: string | null;
                 /** @description Only goals on these actions */
@@ -12291,7 +12291,7 @@ export interface operations {
                 /** @description The type, if there are several on the ROS graph */
                 type?: string | null;
                 /** @description Seconds to wait for the response */
-                timeout?: number;
+                timeout_s?: number;
             };
             header?: never;
             path: {
