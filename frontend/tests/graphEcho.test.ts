@@ -26,7 +26,14 @@ function message(data: string): EchoEvent {
 }
 
 function rate(hz: number, messages = 1): EchoEvent {
-  return { type: "rate", time: "2026-01-01T00:00:00Z", topic: "/chatter", rate_hz: hz, bytes_per_s: 40, messages };
+  return {
+    type: "rate",
+    time: "2026-01-01T00:00:00Z",
+    topic: "/chatter",
+    rate_hz: hz,
+    bytes_per_s: 40,
+    messages,
+  };
 }
 
 function after(state: EchoState, ...events: EchoEvent[]): EchoState {
