@@ -90,7 +90,8 @@ class Pace:
         if slowly or (desired.linear_x < 0.0 and not sees_behind):
             most = self._limits.v_linear_min if slowly else self._limits.v_linear_back
             desired = _slowed(desired, max(most, model.dead_zone.linear_x))
-        left = self._distance(robot, poses, model, desired.linear_x)
+        coming = model.unseen.way
+        left = self._distance(robot, poses, coming, desired.linear_x)
         most_at_dock = self._limits.v_linear_min + AT_DOCK
         model.learns, model.tried_first = left > NEAR, most_at_dock
         if left <= NEAR and model.sure_zone > most_at_dock + ROUNDING:
@@ -108,7 +109,9 @@ class Pace:
 
         def most_at(linear: float) -> float:
             """The highest speed, in m/s, on a way that begins with this velocity."""
-            dock, hit = self._nearest(robot, poses, model, linear), self._hits.distance(robot, model.unseen.way, linear)
+            nearest = min((self._distance(robot, one, coming, linear) for one in self._recent), default=math.inf)
+            dock = max(0.0, nearest - poses.late * abs(model.history.velocity.linear_x))  # however late it is seen
+            hit = self._hits.distance(robot, coming, linear)
             return min(first, self._near_dock(dock, sure, gentle), self._near_dock(hit + self._radius, slowest, gentle))
 
         velocity = self._limiter.limit(_slowed(desired, most_at(desired.linear_x)), dt, model.dead_zone)
@@ -137,23 +140,18 @@ class Pace:
             self._beginning = False
         return self._beginning
 
-    def _nearest(self, robot: Pose, poses: KnownPoses, model: MotionModel, linear: float) -> float:
-        """The same as `_distance`, wherever the dock was believed to be, and however late it is seen."""
-        nearest = min((self._distance(robot, one, model, linear) for one in self._recent), default=math.inf)
-        return max(0.0, nearest - poses.late * abs(model.history.velocity.linear_x))
-
     def _near_dock(self, left: float, slowest: float, gentle: float) -> float:
         """The highest speed, in m/s, where the dock may be so near, in m, and the robot slows down by so much."""
         way = max(0.0, left - self._radius)
         return math.hypot(slowest, braked(way, min(gentle / RESERVE, self._limits.a_linear_max)))
 
-    def _distance(self, robot: Pose, poses: KnownPoses, model: MotionModel, linear: float) -> float:
+    def _distance(self, robot: Pose, poses: KnownPoses, coming: float, linear: float) -> float:
         """Return how near to the dock the robot may be on its way there, in m; infinite where it is on no such way.
 
         Args:
             robot: By the last odometry.
             poses: Poses of the dock.
-            model: Motion commanded since then.
+            coming: The way, in m, that was commanded since then and may have been driven.
             linear: The velocity forward, in m/s.
         """
         docked, staging = poses.filtered_dock, poses.staging
@@ -163,7 +161,6 @@ class Pace:
         if linear * math.cos(robot.theta - axis) <= 0.0:
             return math.inf
         off = robot.relative_to(Pose(docked.x, docked.y, axis))
-        coming = model.unseen.way
         left = max(0.0, -off.x - poses.uncertainty - max(0.0, math.copysign(coming, coming * linear)))
         return math.hypot(left, max(0.0, abs(off.y) - SIDE))
 
