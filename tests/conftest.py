@@ -3,6 +3,7 @@
 import os
 import signal
 from collections.abc import Iterator
+from itertools import count
 from pathlib import Path
 
 import pytest
@@ -24,6 +25,8 @@ settings.load_profile("busy machine")
 
 # The folders of tests that take long.
 LONG = ("chaos", "browser", "system")
+
+numbers = count()
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -54,9 +57,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @pytest.fixture(autouse=True)
-def own_data_directory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What a gateway keeps in the user's data directory does not outlive the test."""
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+def own_data_directory(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a gateway keeps in the user's data directory is the test's own, a folder that it makes itself."""
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path_factory.getbasetemp() / f"data{next(numbers)}"))
 
 
 @pytest.fixture(autouse=True)
