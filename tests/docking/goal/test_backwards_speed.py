@@ -47,7 +47,7 @@ def fastest_back(
     return fastest
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(
     st.sampled_from(BLIND),
     st.integers(0, 10**6),
