@@ -93,7 +93,6 @@ CORE = (
     ErrorCode("interface_not_found", 404, "The type is not installed; the detail says what to install."),
     ErrorCode("node_not_found", 404, "There is no such node on the ROS graph; the detail has similar names."),
     ErrorCode("not_found", 404, "There is nothing at this path."),
-    ErrorCode("note_not_found", 404, "The goal has no such note."),
     ErrorCode("parameters_not_found", 404, "The node has no parameters that can be asked for."),
     ErrorCode(
         "robot_not_found",

@@ -46,7 +46,7 @@ async def add_note(
 @router.delete("/{goal_id}/notes/{note_id}", status_code=204)
 @operation(Role.OPERATOR, Scope.GOAL)
 async def delete_note(goal_id: GoalId, note_id: NoteId, goals: Part[Goals], history: Part[History]) -> Response:
-    """Delete a note of a goal."""
+    """Delete a note of a goal. Succeeds even if there is no such note."""
     await goals.get(goal_id)
     await history.notes.remove(goal_id, note_id)
     return Response(status_code=204)

@@ -6,7 +6,7 @@ from datetime import datetime
 
 import sqlalchemy as sa
 
-from dock_gateway.core.errors import NotFound, limit_reached
+from dock_gateway.core.errors import limit_reached
 from dock_gateway.storage.immediate import ImmediateWriter
 from dock_gateway.storage.reader import Reader
 from dock_gateway.storage.tables import goal_notes, goal_tags, goals
@@ -83,11 +83,7 @@ class Notes:
         await self._writer.write(_add, goal_id, note)
 
     async def remove(self, goal_id: str, note_id: str) -> None:
-        """Delete a note.
-
-        Raises:
-            NotFound: The goal has no such note (`note_not_found`).
-        """
+        """Delete a note, if the goal has it."""
         await self._writer.write(_remove, goal_id, note_id)
 
     async def replace_tags(self, goal_id: str, tags: Collection[str]) -> None:
@@ -131,7 +127,7 @@ def _add(connection: sa.Connection, goal_id: str, note: Note) -> None:
 
 def _remove(connection: sa.Connection, goal_id: str, note_id: str) -> None:
     it = goal_notes.c.note_id == note_id, goal_notes.c.goal_id == goal_id
-    _require_removed(connection.execute(sa.delete(goal_notes).where(*it)).rowcount, note_id)
+    connection.execute(sa.delete(goal_notes).where(*it))
 
 
 def _replace_tags(connection: sa.Connection, goal_id: str, tags: Collection[str]) -> None:
@@ -149,8 +145,3 @@ def _lock(connection: sa.Connection, goal_id: str) -> None:
 def _require_room(notes: int) -> None:
     if notes >= MAX_NOTES:
         raise limit_reached(MAX_NOTES, "notes of this goal")
-
-
-def _require_removed(removed: int, note_id: str) -> None:
-    if not removed:
-        raise NotFound(f"the goal has no note {note_id}", code="note_not_found")

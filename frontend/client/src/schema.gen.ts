@@ -949,7 +949,7 @@ export interface paths {
         post?: never;
         /**
          * Delete Note
-         * @description Delete a note of a goal.
+         * @description Delete a note of a goal. Succeeds even if there is no such note.
          */
         delete: operations["delete_note"];
         options?: never;

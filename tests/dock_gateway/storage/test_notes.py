@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import sqlalchemy as sa
 
-from dock_gateway.core.errors import Conflict, NotFound, Unavailable
+from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.storage import GoalNotes, History, Note, immediate
 from dock_gateway.storage.notes import MAX_NOTES
 from dock_gateway.storage.tables import goal_notes, goal_tags
@@ -45,9 +45,7 @@ async def test_notes_and_tags_are_stored_and_deleted(place: str, tmp_path: Path)
         assert await store.all_tags() == ["blocked", "maintenance", "Ärger"]
         await store.remove("goal-0001", note(2).id)
         for goal_id in ("goal-0001", "goal-0002"):
-            with pytest.raises(NotFound, match="has no note") as refused:
-                await store.remove(goal_id, note(2).id)
-            assert refused.value.code == "note_not_found"
+            await store.remove(goal_id, note(2).id)  # it is gone, or another goal's
         await store.replace_tags("goal-0002", [])
         assert await store.of(["goal-0001", "goal-0002", "goal-0003"]) == {
             "goal-0001": GoalNotes(("blocked", "maintenance"), (note(3),)),
