@@ -1,6 +1,6 @@
 import { ClientError, unreachable } from "./errors.ts";
 import { GoalHandle } from "./goal.ts";
-import { actionPath, createHttp, deadline, type Http, newKey, settle, TIMEOUT_MS } from "./http.ts";
+import { createHttp, deadline, type Http, named, newKey, settle, TIMEOUT_MS } from "./http.ts";
 import type { paths } from "./schema.gen.ts";
 import { EventStream } from "./stream.ts";
 import type { Battery, GatewayEvent, Goal, Robot, StopReport } from "./types.ts";
@@ -86,7 +86,7 @@ export class Client {
     return this.#send(() =>
       this.http.POST("/actions/{name}/goals", {
         params: { path: { name: action }, header: { "Idempotency-Key": key } },
-        pathSerializer: (path) => path.replace("{name}", actionPath(action)),
+        ...named(action),
         body: goal as Record<string, never>,
         signal: deadline(),
       }),
@@ -142,7 +142,7 @@ export class Client {
   ): Promise<Record<string, unknown>> {
     const call = this.http.POST("/services/{service}", {
       params: { path: { service: name }, query: { timeout_s: timeout } },
-      pathSerializer: (path) => path.replace("{service}", actionPath(name)),
+      ...named(name),
       body: request as Record<string, never>,
       signal: deadline((timeout + 10) * 1000),
     });
@@ -157,7 +157,7 @@ export class Client {
   async publish(topic: string, message: Record<string, unknown>, type?: string): Promise<number> {
     const call = this.http.POST("/topics/{topic}", {
       params: { path: { topic }, query: { type } },
-      pathSerializer: (path) => path.replace("{topic}", actionPath(topic)),
+      ...named(topic),
       body: message as Record<string, never>,
       signal: deadline(),
     });

@@ -47,3 +47,13 @@ export function newKey(): string {
 export function actionPath(action: string): string {
   return action.replace(/^\//, "").split("/").map(encodeURIComponent).join("/");
 }
+
+/** The options of a request about a name on the graph, whose slashes are slashes of the path. */
+export function named(name: string) {
+  return { pathSerializer: (path: string) => path.replace(/\{\w+\}/, actionPath(name)) };
+}
+
+/** Those of one that sends JSON as it is. */
+export function rawJson(name: string, body: string) {
+  return { ...named(name), body: {}, bodySerializer: () => body };
+}

@@ -4,6 +4,7 @@ import {
   deadline,
   type Http,
   type LiveGoal,
+  rawJson,
   settle,
 } from "@dock-gateway/client";
 import type { JsonSchema } from "./jsonSchema";
@@ -33,9 +34,7 @@ export function createActionsApi(http: Http) {
       settle(
         http.POST("/actions/{name}/goals", {
           params: { path: { name: action } },
-          pathSerializer: (path) => path.replace("{name}", actionPath(action)),
-          body: {},
-          bodySerializer: () => body,
+          ...rawJson(action, body),
           signal: deadline(),
         }),
       ),

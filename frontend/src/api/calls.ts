@@ -1,4 +1,12 @@
-import { actionPath, type components, deadline, type Http, settle } from "@dock-gateway/client";
+import {
+  actionPath,
+  type components,
+  deadline,
+  type Http,
+  named,
+  rawJson,
+  settle,
+} from "@dock-gateway/client";
 import type { Json, JsonSchema } from "./jsonSchema";
 
 type Schemas = components["schemas"];
@@ -40,7 +48,7 @@ export function createCallsApi(http: Http) {
       settle(
         http.GET("/services/{service}", {
           params: { path: { service: name } },
-          pathSerializer: (url) => url.replace("{service}", actionPath(name)),
+          ...named(name),
           signal: deadline(),
         }),
       ) as Promise<ServiceInfo>,
@@ -50,9 +58,7 @@ export function createCallsApi(http: Http) {
         await settle(
           http.POST("/services/{service}", {
             params: { path: { service: name }, query: { timeout_s: CALL_S } },
-            pathSerializer: (url) => url.replace("{service}", actionPath(name)),
-            body: {},
-            bodySerializer: () => body,
+            ...rawJson(name, body),
             signal: deadline(CALL_TIMEOUT_MS),
           }),
         )
@@ -61,7 +67,7 @@ export function createCallsApi(http: Http) {
       settle(
         http.GET("/topics/{topic}", {
           params: { path: { topic: name } },
-          pathSerializer: (url) => url.replace("{topic}", actionPath(name)),
+          ...named(name),
           signal: deadline(),
         }),
       ) as Promise<TopicInfo>,
@@ -71,9 +77,7 @@ export function createCallsApi(http: Http) {
         await settle(
           http.POST("/topics/{topic}", {
             params: { path: { topic: name } },
-            pathSerializer: (url) => url.replace("{topic}", actionPath(name)),
-            body: {},
-            bodySerializer: () => body,
+            ...rawJson(name, body),
             signal: deadline(),
           }),
         )
@@ -82,7 +86,7 @@ export function createCallsApi(http: Http) {
       settle(
         http.GET("/nodes/{node}/parameters", {
           params: { path: { node } },
-          pathSerializer: (url) => url.replace("{node}", actionPath(node)),
+          ...named(node),
           signal: deadline(CALL_TIMEOUT_MS),
         }),
       ),
@@ -92,9 +96,7 @@ export function createCallsApi(http: Http) {
         await settle(
           http.PATCH("/nodes/{node}/parameters", {
             params: { path: { node } },
-            pathSerializer: (url) => url.replace("{node}", actionPath(node)),
-            body: {},
-            bodySerializer: () => body,
+            ...rawJson(node, body),
             signal: deadline(CALL_TIMEOUT_MS),
           }),
         )

@@ -9,7 +9,8 @@ export interface ErrorWords {
 const START_SERVER =
   "Start the action server on the robot (connect_to_charging_dock_server, or dock-gateway up), then try again.";
 
-const WORDS: Record<string, ErrorWords> = {
+/** By code: one of the gateway's, or of a request without an answer. */
+export const ERROR_WORDS: Record<string, ErrorWords> = {
   action_server_unavailable: { title: "There is no action server", advice: START_SERVER },
   action_server_timeout: {
     title: "The action server did not answer",
@@ -20,27 +21,14 @@ const WORDS: Record<string, ErrorWords> = {
     title: "The alert is over",
     advice: "Its cause has ended; the list shows what is left.",
   },
-  body_too_large: { title: "The request is too large", advice: null },
-  calibration_refused: {
-    title: "The docking server did not calibrate the dock",
-    advice: "Nothing was changed.",
-  },
+  calibration_refused: { advice: "Nothing was changed." },
   calibration_timeout: {
     title: "The docking server did not answer",
     advice: "It may have calibrated the dock: look at its log or its parameters.",
   },
-  calibration_unavailable: {
-    title: "The docking server does not calibrate",
-    advice: "Start docking_server with the controller dock_pose.",
-  },
-  docks_unavailable: {
-    title: "The docking server's docks cannot be read",
-    advice: "Its node does not answer: look at its log and restart it.",
-  },
-  cancel_rejected: {
-    title: "The action server refused to cancel",
-    advice: "Press Stop: it also publishes zero velocity.",
-  },
+  calibration_unavailable: { advice: "Start docking_server with the controller dock_pose." },
+  docks_unavailable: { advice: "Its node does not answer: look at its log and restart it." },
+  cancel_rejected: { advice: "Press Stop: it also publishes zero velocity." },
   changed_meanwhile: {
     title: "Someone else has changed it",
     advice: "Nothing was changed now. Look at the new version, then decide.",
@@ -54,7 +42,6 @@ const WORDS: Record<string, ErrorWords> = {
     advice: "Wait for it to end, or cancel it and press Dock again.",
   },
   duplicate_action_server: {
-    title: "There is more than one action server",
     advice: "Each of them would move the robot: shut down all but one, then send the goal again.",
   },
   gateway_timeout: {
@@ -96,19 +83,12 @@ const WORDS: Record<string, ErrorWords> = {
   },
   not_authenticated: { title: "You are not logged in", advice: "Log in, then try again." },
   origin_not_allowed: {
-    title: "This page may not command the gateway",
     advice:
       "Open the dashboard at the gateway's own address, or allow this one in DOCK_GATEWAY_ALLOWED_ORIGINS.",
   },
   wrong_password: { title: "The old password is wrong", advice: null },
-  host_not_allowed: {
-    title: "The gateway does not answer to this host name",
-    advice: "Add the name to DOCK_GATEWAY_ALLOWED_HOSTS.",
-  },
-  role_required: {
-    title: "Your role does not allow this",
-    advice: "Somebody with that role can do it. An admin can give you another role.",
-  },
+  host_not_allowed: { advice: "Add the name to DOCK_GATEWAY_ALLOWED_HOSTS." },
+  role_required: { advice: "Somebody with that role can do it. An admin can give you another role." },
   too_many_logins: {
     title: "Too many logins have failed",
     advice: "Each failed one makes the next one wait longer.",
@@ -129,11 +109,8 @@ const WORDS: Record<string, ErrorWords> = {
     title: "A stop came first",
     advice: "The goal was not sent. Send it again once the robot may move.",
   },
-  shutting_down: {
-    title: "The gateway is shutting down",
-    advice: "Wait until it is back; nothing is sent again by itself.",
-  },
-  parameters_refused: { title: "The node refused the parameters", advice: "None of them was changed." },
+  shutting_down: { advice: "Wait until it is back; nothing is sent again by itself." },
+  parameters_refused: { advice: "None of them was changed." },
   parameters_timeout: {
     title: "The node does not answer",
     advice: "It may be busy, or frozen: look at its log. If parameters were to be set, read them again.",
@@ -142,19 +119,13 @@ const WORDS: Record<string, ErrorWords> = {
     title: "The service has left",
     advice: "Its node ended during the call, which it may have carried out.",
   },
-  service_timeout: {
-    title: "The service did not answer",
-    advice: "It may still carry out the call: look at the robot before calling it again.",
-  },
+  service_timeout: { advice: "It may still carry out the call: look at the robot before calling it again." },
   token_exists: {
     title: "There is a token of this name",
     advice: "Choose a different name, or revoke that token first.",
   },
   token_not_found: { title: "The token does not exist any more", advice: null },
-  too_many_requests: {
-    title: "The gateway is too busy",
-    advice: "Too many goals wait for an answer. Try again in some seconds.",
-  },
+  too_many_requests: { advice: "Too many goals wait for an answer. Try again in some seconds." },
   wrong_topic_type: {
     title: "The battery topic is of another type",
     advice:
@@ -164,17 +135,17 @@ const WORDS: Record<string, ErrorWords> = {
 
 /** Adds the words of an extension for its errors, by code. Called once, before anything is shown. */
 export function addErrorWords(words: Readonly<Record<string, ErrorWords>>): void {
-  Object.assign(WORDS, words);
+  Object.assign(ERROR_WORDS, words);
 }
 
 /** What went wrong, in a few words. */
 export function titleOf(error: ClientError): string {
-  return WORDS[error.code]?.title ?? error.title;
+  return ERROR_WORDS[error.code]?.title ?? error.title;
 }
 
 /** What can be done about it. */
 export function adviceFor(code: string): string | null {
-  return WORDS[code]?.advice ?? null;
+  return ERROR_WORDS[code]?.advice ?? null;
 }
 
 export function toClientError(error: unknown): ClientError {

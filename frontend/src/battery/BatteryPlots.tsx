@@ -27,6 +27,7 @@ import { useFreshness, useLive, useServices } from "../store/context";
 import { watchSight } from "../ui/sight";
 import { Tool } from "../ui/Tool";
 import { formatter } from "../ui/time";
+import { useLatest } from "../ui/useLatest";
 import { useZone } from "../ui/zone";
 import classes from "./BatteryPlots.module.css";
 import { drainWords } from "./drain";
@@ -57,8 +58,7 @@ export default function BatteryPlots() {
   const [view, setView] = useState<View>(LIVE);
   const past = usePast(view);
   const drain = useMemo(() => drainWords(past.points, (timeS) => dayAndMonth(timeS * 1000)), [past.points]);
-  const latest = useRef({ view, past });
-  latest.current = { view, past };
+  const latest = useLatest({ view, past });
   const plots = useRef<Partial<Record<Quantity, HTMLDivElement | null>>>({});
   const values = useRef<Partial<Record<Quantity, HTMLSpanElement | null>>>({});
   const moment = useRef<HTMLSpanElement>(null);

@@ -1,5 +1,6 @@
 import { createContext, useCallback, useContext, useEffect, useRef, useSyncExternalStore } from "react";
 import { onBeat, steadyNow } from "./beat";
+import { isSame } from "./same";
 
 /** Tells now in the gateway's time (ms), which its timestamps are compared with. */
 interface Clock {
@@ -15,11 +16,8 @@ export function useGatewayNow(intervalMs = 1000): number {
   return useAtTime((now) => now, intervalMs);
 }
 
-/** What is read off the gateway's time (ms): looked at every `intervalMs`, re-rendered only where it is another. */
-export function useAtTime<Value extends string | number | boolean>(
-  read: (now: number) => Value,
-  intervalMs = 1000,
-): Value {
+/** What `read` makes of the gateway's time (ms). It is read every `intervalMs`, and re-rendered if it has changed. */
+export function useAtTime<Value>(read: (now: number) => Value, intervalMs = 1000): Value {
   const clock = useContext(ClockContext);
   const renders = useRef(0);
   const value = read(clock.gatewayNow());
@@ -30,7 +28,7 @@ export function useAtTime<Value extends string | number | boolean>(
   const subscribe = useCallback(
     (renderAnew: () => void) =>
       onBeat(intervalMs, () => {
-        if (shown.current.read(clock.gatewayNow()) === shown.current.value) return;
+        if (isSame(shown.current.read(clock.gatewayNow()), shown.current.value)) return;
         renders.current += 1;
         renderAnew();
       }),

@@ -7,6 +7,7 @@ import { BEAT_MS, onBeat } from "../clock/beat";
 import { bandsOf } from "../goal/timeline";
 import { Section } from "../ui/Section";
 import { formatElapsed } from "../ui/time";
+import { useLatest } from "../ui/useLatest";
 import classes from "./goalPage.module.css";
 import { useHeldMoment, useTimeline, useWatched } from "./useGoalWatch";
 
@@ -28,12 +29,11 @@ export function Replay({ goal }: { goal: LiveGoal }) {
   const length = Math.max(0, (Date.parse(goal.finished_at ?? goal.updated_at) - start) / 1000);
   const stage = useStageAt(goal, moment);
   const address = parameters.get(AT);
-  const write = useRef((_moment: number | null) => {});
-  write.current = (at) => {
+  const write = useLatest((at: number | null) => {
     if (at === null) parameters.delete(AT);
     else parameters.set(AT, momentText(at));
     setParameters(parameters, { replace: true });
-  };
+  });
 
   useEffect(() => crosshair.hold(momentIn(address, length)), [crosshair, address, length]);
 

@@ -3,6 +3,7 @@ import { type ReactNode, useCallback, useEffect, useRef, useState, useSyncExtern
 import { distance, type Point, place } from "../store/geometry";
 import { groundIn, type SceneLayer } from "../store/layers";
 import { Tool } from "../ui/Tool";
+import { useLatest } from "../ui/useLatest";
 import { Around, type NamedDock, type Surroundings } from "./around";
 import { Camera } from "./camera";
 import { Gestures } from "./gestures";
@@ -46,8 +47,7 @@ export interface Pick {
 export function SceneCanvas(props: SceneCanvasProps) {
   const { scene, placeable, describedBy, around, wall = false, onPlace, onGhost, onPick } = props;
   const [following, setFollowing] = useState(() => keptScale() !== null);
-  const handlers = useRef({ onPlace, onGhost, onPick, placeable, around });
-  handlers.current = { onPlace, onGhost, onPick, placeable, around };
+  const handlers = useLatest({ onPlace, onGhost, onPick, placeable, around });
   const layers = around?.layers ?? NO_LAYERS;
   const hasGround = useHasGround(scene, layers);
   const [camera] = useState(() => {

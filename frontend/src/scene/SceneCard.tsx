@@ -185,17 +185,13 @@ const SHOWN: readonly {
 function Legend() {
   const scheme = useComputedColorScheme("light");
   const { layers } = useServices();
-  // A text changes only with what it says.
-  const entries: LegendEntry[] = JSON.parse(
-    useScene((scene) => {
-      const ofLayers = layers.flatMap((layer) => layer.legend(scheme));
-      const ofScene = SHOWN.filter(({ isShown }) => scene !== null && isShown(scene)).map((entry) => ({
-        ...entry,
-        color: SCENE_COLORS[scheme][entry.color],
-      }));
-      return JSON.stringify([...ofLayers, ...ofScene]);
-    }),
-  );
+  const entries = useScene((scene): LegendEntry[] => {
+    const ofLayers = layers.flatMap((layer) => layer.legend(scheme));
+    const ofScene = SHOWN.filter(({ isShown }) => scene !== null && isShown(scene)).map(
+      ({ name, color, round }) => ({ name, color: SCENE_COLORS[scheme][color], ...(round && { round }) }),
+    );
+    return [...ofLayers, ...ofScene];
+  });
   return (
     <ul className={classes.legend} aria-label="Legend">
       {entries.map(({ name, color, round }) => (

@@ -4,6 +4,7 @@ import { type RefCallback, type RefObject, useEffect, useRef } from "react";
 import type { Point, Size, View } from "../store/geometry";
 import type { Scheme } from "../store/layers";
 import { watchSight } from "../ui/sight";
+import { useLatest } from "../ui/useLatest";
 import type { Camera } from "./camera";
 import { SCENE_COLORS, type SceneColors } from "./colors";
 import type { Gestures } from "./gestures";
@@ -94,8 +95,7 @@ export function usePicture<P extends Picture>(
   const { ref: boxRef, width, height } = useElementSize<HTMLDivElement>();
   const canvasRef = useRef<HTMLCanvasElement>(null);
   const pictureRef = useRef<P>(null);
-  const size = useRef({ width, height });
-  size.current = { width, height };
+  const size = useLatest({ width, height });
 
   useEffect(() => {
     const canvas = canvasRef.current;

@@ -61,7 +61,7 @@ export function useLive(): boolean {
 const INTERVAL_MS = 400;
 
 /** What words and buttons read off the latest scene, re-rendered where it is another; the picture does without React. */
-export function useScene<Part extends string | number | boolean>(read: (scene: Scene | null) => Part): Part {
+export function useScene<Part>(read: (scene: Scene | null) => Part): Part {
   const { scene: buffer } = useServices();
   return useAtTime(() => read(buffer.latest), INTERVAL_MS);
 }

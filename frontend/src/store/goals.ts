@@ -102,12 +102,10 @@ export function mergeGoals<S extends GoalsState>(state: S, goals: readonly LiveG
 export function snapshotGoals<S extends GoalsState>(
   state: S,
   actionNames: readonly string[] | null,
-  goals: readonly (LiveGoal | LiveGoal)[],
+  goals: readonly LiveGoal[],
 ): S {
   const ended = [...state.goals.values()].filter((goal) => isFinal(goal.status));
-  const ours = [...ended, ...(goals as readonly LiveGoal[])].filter(
-    (goal) => actionNames?.includes(goal.action_name) ?? true,
-  );
+  const ours = [...ended, ...goals].filter((goal) => actionNames?.includes(goal.action_name) ?? true);
   const map = new Map(ours.map((goal) => [goal.goal_id, goal]));
   const next = prune({ ...state, goals: map, arrivals: new Map() });
   const changed = ours.filter((goal) => !isFinal(state.goals.get(goal.goal_id)?.status ?? "pending"));

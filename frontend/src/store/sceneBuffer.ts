@@ -1,4 +1,5 @@
 import type { Pose, PoseEvent, Scene } from "@dock-gateway/client";
+import { isSame } from "../clock/same";
 import { between, distance, type Point } from "./geometry";
 
 /** A detection of the marker can be seen for this long. */
@@ -54,7 +55,7 @@ export class SceneBuffer {
       this.#detections = [...this.#detections, { pose: scene.marker, at: now }].slice(-MAX_DETECTIONS);
     }
     // One that says the same once more, as of a robot that stands still, changes no picture.
-    if (shown !== null && samePose(shown, target) && JSON.stringify(scene) === JSON.stringify(before)) return;
+    if (shown !== null && samePose(shown, target) && isSame(scene, before)) return;
     for (const listener of this.#listeners) listener();
   }
 

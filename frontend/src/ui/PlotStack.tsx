@@ -8,6 +8,7 @@ import classes from "./PlotStack.module.css";
 import { LINE_COLORS, type PlotBand, type PlotLine, type PlotSource } from "./plotData";
 import { watchSight } from "./sight";
 import { type PlotPlace, StackedPlots } from "./stackedPlots";
+import { useLatest } from "./useLatest";
 
 const REDRAW_MS = 200;
 const SLOW_REDRAW_MS = 1000;
@@ -39,8 +40,7 @@ export default function PlotStack(props: PlotStackProps) {
   const frame = useRef<HTMLDivElement>(null);
   const places = useRef<Partial<PlotPlace>[]>([]);
   const stack = useRef<StackedPlots | null>(null);
-  const latest = useRef(props);
-  latest.current = props;
+  const latest = useLatest(props);
   const [zoomed, setZoomed] = useState(false);
 
   useEffect(() => {

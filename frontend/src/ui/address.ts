@@ -1,5 +1,6 @@
-import { useCallback, useMemo, useRef } from "react";
+import { useCallback, useMemo } from "react";
 import { useSearchParams } from "react-router";
+import { useLatest } from "./useLatest";
 
 /** A part of what a page shows, as it stands in the page's address. What it does not understand is as it begins. */
 export interface Part<T> {
@@ -102,8 +103,7 @@ export function useAddress<View extends object>(
 ): [View, (change: Partial<View>) => void] {
   const [parameters, setParameters] = useSearchParams();
   const view = useMemo(() => address.read(parameters), [address, parameters]);
-  const latest = useRef({ view, setParameters });
-  latest.current = { view, setParameters };
+  const latest = useLatest({ view, setParameters });
   const change = useCallback(
     (part: Partial<View>) => {
       latest.current.view = { ...latest.current.view, ...part };

@@ -1,5 +1,6 @@
 import type { Robot } from "@dock-gateway/client";
 import { useCallback, useMemo, useRef, useState } from "react";
+import { useLatest } from "../../ui/useLatest";
 
 export interface Selection {
   /** The robots that are selected and listed, in the order of the list: nothing is done to one that cannot be seen. */
@@ -16,8 +17,7 @@ export interface Selection {
 export function useSelection(rows: readonly Robot[]): Selection {
   const [chosen, setChosen] = useState<ReadonlySet<string>>(new Set());
   const last = useRef<string | null>(null);
-  const listed = useRef(rows);
-  listed.current = rows;
+  const listed = useLatest(rows);
 
   const toggle = useCallback((name: string, range: boolean) => {
     const names = listed.current.map((robot) => robot.name);
