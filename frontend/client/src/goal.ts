@@ -39,7 +39,7 @@ export class GoalHandle {
 
   constructor(
     client: Client,
-    /** As the gateway last answered; `refresh` asks again. */
+    /** The goal as the gateway last answered; `refresh` asks again. */
     public state: Goal,
   ) {
     this.#client = client;

@@ -53,7 +53,7 @@ export function named(name: string) {
   return { pathSerializer: (path: string) => path.replace(/\{\w+\}/, actionPath(name)) };
 }
 
-/** Those of one that sends JSON as it is. */
+/** The options of a request about a name on the graph that sends `body`, which is JSON already. */
 export function rawJson(name: string, body: string) {
   return { ...named(name), body: {}, bodySerializer: () => body };
 }

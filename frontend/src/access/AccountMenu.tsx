@@ -12,7 +12,7 @@ const OPEN_LOCK =
 
 interface AccountMenuProps {
   state: SessionState;
-  /** The same in words. */
+  /** Who is logged in, in words. */
   words: string;
 }
 

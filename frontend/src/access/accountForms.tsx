@@ -11,7 +11,7 @@ import { Conflict, isConflict } from "../ui/Conflict";
 import { SaveBar } from "../ui/Dialog";
 import { NewPassword, passwordProblem } from "./PasswordDialog";
 
-/** As the gateway allows. */
+/** The names that the gateway allows. */
 const NAME = /^[a-z0-9](?:[a-z0-9._@+-]{0,58}[a-z0-9])?$/;
 
 /** What a form for a new user or token starts from. */
@@ -24,7 +24,7 @@ interface UserFormProps {
   /** Who is changed; null for a new user. */
   user: User | null;
   example?: Example | undefined;
-  /** All of them, as they are now. */
+  /** All users, as they are now. */
   users: readonly User[];
   save: UseMutationResult<void, ClientError, { name: string; body: UserBody; base: Base }>;
   /** Begins anew with a user that someone else has changed. */
@@ -170,7 +170,7 @@ export type Grant = Pick<Token, "role" | "robots" | "actions" | "topics">;
 
 const NO_LIMITS = { robots: [], actions: [], topics: [] };
 
-/** As the gateway allows. */
+/** The patterns of robots that the gateway allows. */
 const PATTERN = /^(?!.*\/\/)(?:\/[A-Za-z0-9_/*]*|\*[A-Za-z0-9_/*]+)$/;
 const PATTERNS = [
   ["robots", "Robots", "/robot1 or /hall_a/*; empty for every robot.", "Every robot"],

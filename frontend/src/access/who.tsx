@@ -35,7 +35,7 @@ export function useOwnName(): string {
 
 interface NameInputProps {
   value: string;
-  /** Where the name is shown. */
+  /** Says where the name is shown. */
   description: string;
   onChange: (name: string) => void;
 }

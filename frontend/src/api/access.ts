@@ -38,7 +38,7 @@ export async function changePassword(http: Http, body: { old: string; new: strin
   await settle(http.PUT("/session/password", { body, signal: deadline(), ...atServer() }));
 }
 
-/** By name. */
+/** All users, sorted by name. */
 export async function listUsers(http: Http): Promise<User[]> {
   return (await settle(http.GET("/users", { signal: deadline() }))).users;
 }
@@ -60,7 +60,7 @@ export async function endSessions(http: Http, name: string): Promise<void> {
   );
 }
 
-/** By name. */
+/** All tokens, sorted by name. */
 export async function listTokens(http: Http): Promise<Token[]> {
   return (await settle(http.GET("/tokens", { signal: deadline() }))).tokens;
 }

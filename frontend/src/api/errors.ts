@@ -1,7 +1,7 @@
 import { ClientError } from "@dock-gateway/client";
 
 export interface ErrorWords {
-  /** Where the gateway's own is not clear enough on a page. */
+  /** Replaces the gateway's title where that is not clear enough on a page. */
   title?: string;
   advice: string | null;
 }
@@ -9,7 +9,7 @@ export interface ErrorWords {
 const START_SERVER =
   "Start the action server on the robot (connect_to_charging_dock_server, or dock-gateway up), then try again.";
 
-/** By code: one of the gateway's, or of a request without an answer. */
+/** Titles and advice by error code: the gateway's codes, and those of a request without an answer. */
 export const ERROR_WORDS: Record<string, ErrorWords> = {
   action_server_unavailable: { title: "There is no action server", advice: START_SERVER },
   action_server_timeout: {

@@ -14,7 +14,7 @@ import { apiPath } from "./site";
 /** What `GET /goals` can be narrowed by. */
 export type GoalQuery = Omit<NonNullable<paths["/goals"]["get"]["parameters"]["query"]>, "limit" | "cursor">;
 
-/** Of the goals of a list, and of the events of a history, that come at once. */
+/** The number of goals, or of events of a history, in one answer. */
 const PAGE = 50;
 const EVENTS = 2000;
 

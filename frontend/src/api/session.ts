@@ -17,7 +17,7 @@ export type Role = Schema<"Role">;
 /** A page that got no answer is shown all the same: what needs a login is refused, and then it is asked again (ms). */
 const ANSWER_MS = 3000;
 
-/** As long as the gateway has not said who this is for. */
+/** The session before the gateway has said who is logged in. */
 export const ANYBODY: SessionState = {
   required: false,
   open_to: null,
@@ -143,7 +143,7 @@ export function whyForbidden(command: Command): string | null {
   return limited && everyRobot ? "This is about every robot, and your access is limited to some." : null;
 }
 
-/** As `whyForbidden`; re-renders when somebody else has logged in. */
+/** The answer of `whyForbidden`; re-renders when somebody else has logged in. */
 export function useForbidden(command: Command): string | null {
   useSession();
   return whyForbidden(command);

@@ -259,7 +259,7 @@ interface ChargeBarProps {
   /** In percent; null where it is not measured. */
   filled: number | null;
   charge: Charge;
-  /** It is not how the battery is now. */
+  /** Whether the value is not current. */
   old?: boolean;
 }
 

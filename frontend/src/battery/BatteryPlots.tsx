@@ -239,7 +239,7 @@ export default function BatteryPlots() {
   );
 }
 
-/** As often as that moves the plots by a pixel or so, in whole beats. */
+/** The time after which the plots have moved by about a pixel, in whole beats. */
 function redrawMs({ spanS }: View): number {
   const beats = Math.round((spanS * 1000) / PIXELS / REDRAW_MS);
   return Math.min(SCROLL_MS, Math.max(1, beats) * REDRAW_MS);

@@ -17,7 +17,7 @@ import { MainFields } from "./BatteryFields";
 import { type BatteryForm, type NumberInputValue, PRESETS, sameForm, toMessage, toNumber } from "./form";
 import { summarize } from "./words";
 
-/** Comes when it is asked for. */
+/** Loaded when more fields are asked for. */
 const MoreFields = lazyPart(() => import("./MoreFields"));
 
 const MIN_RATE_HZ = 0.1;

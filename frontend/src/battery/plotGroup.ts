@@ -132,7 +132,7 @@ export class PlotGroup {
   }
 }
 
-/** Of the band between the least and the most. */
+/** The opacity, in hex, of the band between the lowest and the highest value. */
 const BAND_ALPHA = "40";
 /** Room for `23:59:59` and some more, in CSS pixels. */
 const MARK_SPACE = 80;

@@ -4,7 +4,7 @@ import { fixed } from "../ui/numbers";
 interface Shape {
   name: string;
   unit: string;
-  /** Of the numbers next to the plot. */
+  /** The number of decimals next to the plot. */
   decimals: number;
   /** Every mark is a multiple of this. */
   tidy: number;

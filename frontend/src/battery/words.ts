@@ -46,7 +46,7 @@ export function statusWords(status: number): string {
 
 const NOT_MEASURED = "not measured";
 
-/** Of a temperature one, else two: what a battery measures is no more exact. */
+/** The number of decimals: one for a temperature, else two, as a battery measures no more exactly. */
 function digits(value: number, unit: string): string {
   return fixed(value, unit === "°C" ? 1 : 2);
 }

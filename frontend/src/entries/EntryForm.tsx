@@ -29,7 +29,7 @@ interface EntryFormProps<
   draftOf: (entry: Entry | null) => Draft;
   /** What a new one starts from. */
   example: Partial<Draft> | undefined;
-  /** All of them, as they are now. */
+  /** All entries, as they are stored now. */
   entries: readonly Entry[];
   /** A name, as an example, and how long one may be. */
   placeholder: string;

@@ -53,7 +53,7 @@ export interface Page {
 
 interface MenuEntry {
   name: string;
-  /** Goes to the page after a g. */
+  /** The letter that opens the page when it is pressed after g. */
   letter: string;
   /** Entries are sorted by it. */
   order: number;

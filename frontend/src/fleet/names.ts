@@ -92,7 +92,7 @@ export class Naming {
     return owner !== null && this.groupsOf(owner).includes(group);
   }
 
-  /** Of all robots, in alphabetical order. */
+  /** The groups of all robots, in alphabetical order. */
   groups(): string[] {
     const all = [...this.#labels.values()].flatMap(({ groups }) => groups);
     return [...new Set(all)].sort((a, b) => a.localeCompare(b));

@@ -27,7 +27,7 @@ export function choiceError({ all, names, groups }: RobotChoice): string | undef
   return all || names.length + groups.length > 0 ? undefined : "Choose a robot or a group.";
 }
 
-/** As a request has it. */
+/** The choice as the body of a request. */
 export function choiceBody({ all, names, groups }: RobotChoice) {
   return all ? { all: true } : { names, groups };
 }

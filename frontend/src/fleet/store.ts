@@ -58,7 +58,7 @@ export class FleetStore extends StreamStore<FleetState, FleetTopics> {
 
 /** What is known of all robots and of the goals on every action. */
 interface FleetState extends StreamState {
-  /** By name. */
+  /** The robots by name. */
   robots: ReadonlyMap<string, Robot>;
   /** Their names and groups: another object only when one of these changes. */
   naming: Naming;

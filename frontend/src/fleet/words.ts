@@ -41,7 +41,7 @@ export function linkOf({ dock, undock, battery, site_state = "connected" }: Link
 }
 
 interface Linked extends Pick<Robot, "dock" | "undock" | "battery"> {
-  /** Of several sites: whether the robot's site is connected. */
+  /** At a hub: whether the robot's site is connected. */
   site_state?: string;
 }
 

@@ -35,7 +35,7 @@ export function FeedbackRows({ start, schema, growing, chosen, onChoose }: Feedb
   const [parameters, setParameters] = useSearchParams();
   /** The row at the top while it stays; null follows the newest. */
   const [held, setHeld] = useState<string | null>(null);
-  /** The same while the pointer or the focus is on the table. */
+  /** The row at the top while the pointer or the focus is on the table; null elsewhere. */
   const [still, setStill] = useState<string | null>(null);
   const moment = useMoment();
   const heldMoment = useHeldMoment();
@@ -273,7 +273,7 @@ interface Column {
   digits: Digits;
 }
 
-/** The same until there are more fields, or more digits. */
+/** The columns, which change only with more fields or more digits. */
 function useColumns(schema: JsonSchema | undefined): readonly Column[] {
   const { fields } = useWatched().watch.log;
   const { version } = fields;
@@ -296,7 +296,7 @@ function useColumns(schema: JsonSchema | undefined): readonly Column[] {
   }, [fields, version, schema]);
 }
 
-/** Those of a message's own fields before those of the items of arrays. */
+/** The columns of a message's own fields, then those of the items of its arrays. */
 function columnsOf(fields: readonly FoundField[]): FoundField[] {
   const isItem = ({ path }: FoundField) => path.some((step) => typeof step === "number");
   return [...fields.filter((field) => !isItem(field)), ...fields.filter(isItem)].slice(0, COLUMNS);

@@ -72,7 +72,7 @@ function NoFeedback({ goal }: { goal: LiveGoal }) {
 
 const PlotStack = lazyPart(() => import("../ui/PlotStack"));
 
-/** Of one plot; of each of several. */
+/** The heights of a single plot, and of each of several (px). */
 const [HEIGHT, LOW_HEIGHT] = [240, 150];
 const MAX_PLOTS = 6;
 /** Each plotted quantity is one of these parameters of the address. */

@@ -128,7 +128,7 @@ export function momentIn(text: string | null, length: number): number | null {
   return Number.isNaN(moment) ? null : Math.min(length, Math.max(0, moment));
 }
 
-/** As the address holds it, to the millisecond. */
+/** Writes a moment for the address, to the millisecond. */
 export function momentText(moment: number): string {
   return String(Number(moment.toFixed(3)));
 }

@@ -7,7 +7,7 @@ export interface NumericField {
   /** As in the columns of the CSV: `current_battery_state.voltage`, `cell_voltage.0`; `sequence (last)`. */
   name: string;
   path: readonly (string | number)[];
-  /** Of an array: its last item, or how many it has. */
+  /** Which number of an array is shown: its last item, or its length. */
   of?: "last" | "length";
 }
 

@@ -33,7 +33,7 @@ export interface GoalFilter {
   tags: readonly string[];
 }
 
-/** As `GET /goals` takes the beginning of an id. */
+/** The beginnings of an id that `GET /goals` accepts. */
 export const ID_BEGINNING = /^(?:[0-9a-f]-?){4,32}$/i;
 
 export const goalFilter = new Address<GoalFilter>({
@@ -100,7 +100,7 @@ function statusesOf(state: GoalState): readonly GoalStatus[] {
   return state === "running" ? RUNNING : [state];
 }
 
-/** Of an id, which may be written without its hyphens and in upper case. */
+/** The digits of an id, which may be written without hyphens and in upper case. */
 function digitsOf(id: string): string {
   return id.replaceAll("-", "").toLowerCase();
 }

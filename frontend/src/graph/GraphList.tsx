@@ -14,7 +14,7 @@ const PAGE = 50;
 
 interface GraphListProps {
   graph: Graph;
-  /** All of them, also those that are not shown. */
+  /** All nodes, also those that are not shown. */
   nodes: readonly GraphNode[];
   selected: Thing | null;
   change: ChangeView;
@@ -24,7 +24,7 @@ interface Row {
   name: string;
   types: string[];
   warning: string | null;
-  /** As many as there are columns for this kind. */
+  /** The numbers of a row, one for each column of this kind. */
   counts: number[];
 }
 

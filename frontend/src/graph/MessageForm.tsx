@@ -14,7 +14,7 @@ import { useCommand } from "../ui/requests";
 interface MessageFormProps<Answer> {
   /** What is done, as a title: "Call the service". */
   title: string;
-  /** Where the draft is kept; another form has another one. */
+  /** The key under which the draft is kept, one for each form. */
   draft: string;
   schema: JsonSchema;
   /** On the button. */

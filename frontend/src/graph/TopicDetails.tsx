@@ -63,7 +63,7 @@ interface EndpointListProps {
   title: string;
   absent: string;
   endpoints: readonly Endpoint[];
-  /** Those of them that do not fit to all of the other side. */
+  /** The endpoints whose quality of service does not match every endpoint of the other side. */
   conflicting: readonly Endpoint[];
   change: ChangeView;
 }

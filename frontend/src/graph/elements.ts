@@ -6,7 +6,7 @@ import type { Shown } from "./view";
 
 /** A thing as the picture shows it. */
 export interface Vertex {
-  /** As `thingId` makes it. */
+  /** The id that `thingId` makes. */
   id: string;
   kind: Kind;
   name: string;

@@ -8,7 +8,7 @@ export interface Place {
   y: number;
 }
 
-/** By the vertices' ids. */
+/** The places of vertices, by id. */
 export type Places = ReadonlyMap<string, Place>;
 
 /** The way of a link around what is between its ends, for as long as these are where they were. */
@@ -21,7 +21,7 @@ export interface Route {
 
 export interface Layout {
   places: Places;
-  /** By the links' ids. */
+  /** The routes of links, by id. */
   routes: ReadonlyMap<string, Route>;
 }
 
@@ -135,7 +135,7 @@ function shiftOf(
   return { x: mean(shifts.map(({ x }) => x)), y: mean(shifts.map(({ y }) => y)) };
 }
 
-/** Below everything, at the left. */
+/** Moves a group below everything, at the left. */
 function shiftBelow(group: readonly Vertex[], ideal: Places, there: readonly Box[]): Place {
   const own = boxesOf(group, ideal);
   const bottom = Math.max(...there.map(({ y, height }) => y + height)) + GAP;

@@ -48,7 +48,7 @@ function steps(step: Json): string {
   return Number(step) === 0 ? "" : ` in steps of ${step}`;
 }
 
-/** Of a form's values, those that the node does not have yet. */
+/** The values of a form that differ from those of the node. */
 export function changesOf(parameters: readonly ParameterInfo[], message: JsonObject): JsonObject {
   const before = new Map(parameters.map(({ name, value }) => [name, JSON.stringify(value)]));
   return Object.fromEntries(

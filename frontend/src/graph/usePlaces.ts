@@ -44,7 +44,7 @@ export function usePlaces(elements: Elements, arrangement: string): Arranged {
   return { places, routes, times, move, rearrange };
 }
 
-/** From the edge of the frame (px). */
+/** The distance between the picture and the edge of the frame (px). */
 const MARGIN = 16;
 
 interface Sight {

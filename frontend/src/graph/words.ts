@@ -38,7 +38,7 @@ export function describeVertex(vertex: Vertex): string {
 const MAX_CHARACTERS = 25;
 const MAX_LINES = 2;
 const MIN_WIDTH = 96;
-/** Of the bold name, the small line above it, and what is around both (px). */
+/** The widths of a character of the bold name, of one of the small line above it, and of the margin of both (px). */
 const [CHARACTER, SMALL_CHARACTER, AROUND] = [9, 6.6, 40];
 const [HEIGHT, LINE] = [46, 17];
 

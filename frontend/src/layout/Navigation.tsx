@@ -7,7 +7,7 @@ import { useMenu } from "../pages/pages";
 import { Tool } from "../ui/Tool";
 import classes from "./layout.module.css";
 
-/** As in layout.module.css. */
+/** The width of a phone; layout.module.css has the same. */
 const PHONE = "(max-width: 30em)";
 
 /** The way to the pages: links in a row, on a phone in a list that a button opens. */

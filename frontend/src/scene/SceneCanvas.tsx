@@ -29,7 +29,7 @@ interface SceneCanvasProps {
   onGhost: (pose: Pose | null) => void;
   /** Only to be looked at, from a distance: the whole map, without buttons. */
   wall?: boolean;
-  /** Above the picture, such as a menu at a place of it. */
+  /** What is shown on top of the picture, such as a menu. */
   children?: ReactNode;
 }
 
@@ -159,7 +159,7 @@ function dockAt(picture: Painter, at: Point): NamedDock | null {
   return near.filter(({ away }) => away <= reach).sort((a, b) => a.away - b.away)[0]?.dock ?? null;
 }
 
-/** Of the box behind its face. */
+/** The middle of the box of a dock, behind its face. */
 function middleOf({ pose }: NamedDock): Point {
   return place(pose, { x: (DOCK_BOX.front + DOCK_BOX.back) / 2, y: 0 });
 }
@@ -169,7 +169,7 @@ const ZOOM_STEP = 1.4;
 interface MapToolsProps {
   onZoom: (factor: number) => void;
   onShowAll: () => void;
-  /** Before the last one. */
+  /** Further buttons, before *Show all*. */
   children?: ReactNode;
 }
 

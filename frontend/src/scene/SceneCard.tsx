@@ -129,7 +129,7 @@ function MapNote() {
   );
 }
 
-/** Of the picture. */
+/** The picture in words, for screen readers. */
 function Words() {
   const docked = useTopicPart("simulator", (simulator) => simulator?.docked ?? null);
   return useScene((scene) => (scene === null ? "" : describeScene(scene, docked)));

@@ -17,7 +17,7 @@ export interface Stage {
   readonly view: View;
   readonly size: Size;
   readonly robot: Pose | null;
-  /** Of the robot (m). */
+  /** The radius of the robot (m). */
   readonly radius: number;
   readonly ghost: Pose | null;
   /** Whether the robot can be dragged. */

@@ -15,7 +15,7 @@ interface Surface extends Drawing {
   /** Where the robot has been, oldest first: an array that grows, or another one. */
   trail: readonly Point[];
   robot: Point;
-  /** Of layers, the lowest first. */
+  /** The pictures of the layers, the lowest first. */
   pictures: readonly GroundPicture[];
 }
 
@@ -45,7 +45,7 @@ export class Ground {
     drawLine(ctx, surface, [...surface.trail.slice(-1), surface.robot]);
   }
 
-  /** The same ground where it can stay, or a new one with nothing but the grid. */
+  /** Returns the drawn ground if it is still valid, else a new one with the grid alone. */
   #context(ctx: CanvasRenderingContext2D, surface: Surface): CanvasRenderingContext2D | null {
     const { width, height } = ctx.canvas;
     const ground = this.#canvas.getContext("2d");

@@ -24,7 +24,7 @@ export type SceneSource = Pick<
 interface Drawn {
   view: View;
   robot: Pose;
-  /** Of the robot (m). */
+  /** The radius of the robot (m). */
   radius: number;
   /** An array that grows while the robot is drawn where it moves, or another one. */
   trail: readonly Point[];

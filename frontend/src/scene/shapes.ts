@@ -1,7 +1,7 @@
 import type { Footprint, Pose } from "@dock-gateway/client";
 import { compose, type Point } from "../store/geometry";
 
-/** Of a robot whose footprint is not published. */
+/** The footprint of a robot that publishes none. */
 const DEFAULT_FOOTPRINT: Footprint = { radius: 0.15, points: null };
 /** The heading arrow is at least this share of the robot, also where base_link is near its edge. */
 const MIN_ARROW = 1 / 3;
@@ -18,7 +18,7 @@ export function arrowRadius({ radius, points }: Footprint): number {
   return Math.max(Math.min(...distances), MIN_ARROW * radius);
 }
 
-/** From base_link to an edge (m). */
+/** The distance between base_link and an edge (m). */
 function edgeDistance(from: Point, to: Point): number {
   const [dx, dy] = [to.x - from.x, to.y - from.y];
   const share = -(from.x * dx + from.y * dy) / (dx * dx + dy * dy || 1);

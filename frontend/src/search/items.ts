@@ -22,13 +22,13 @@ export interface Sources {
   robots: readonly Robot[];
   groups: readonly string[];
   actions: readonly ActionInfo[];
-  /** Those whose id begins with what is typed. */
+  /** The goals whose id begins with what is typed. */
   goals: readonly LiveGoal[];
   pages: readonly { to: string; name: string }[];
   live: boolean;
 }
 
-/** Of each kind. */
+/** The most results of each kind. */
 const MOST = 8;
 
 /** Robots that are found among so few are offered all commands. */

@@ -21,7 +21,7 @@ export function stopThese(stopRobots: StopRobots, robots: readonly string[]): Pr
   return stopEach(stopRobots, inRequests(robots));
 }
 
-/** As few requests as their names fit into. */
+/** Groups the names into as few requests as they fit into. */
 function inRequests(names: readonly string[]): string[][] {
   const requests: string[][] = [];
   let room = 0;

@@ -98,7 +98,7 @@ export function inUnit(quantity: Quantity, value: number | null): number | null 
 }
 
 interface Sent {
-  /** As it was sent. */
+  /** The message as it was sent. */
   state: BatteryState;
   /** What the gateway believes of the charge, 0 to 1. Events of older gateways do not have it. */
   percentage?: number | null;

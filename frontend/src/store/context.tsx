@@ -17,7 +17,7 @@ export interface Services {
   store: Store;
   series: BatterySeries;
   scene: SceneBuffer;
-  /** Of extensions, the lowest first. */
+  /** The layers of extensions, the lowest first. */
   layers: readonly RobotLayer[];
 }
 

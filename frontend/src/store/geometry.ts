@@ -10,13 +10,13 @@ export interface View extends Point {
   scale: number;
 }
 
-/** Of a canvas, in CSS pixels. */
+/** The size of a canvas, in CSS pixels. */
 export interface Size {
   width: number;
   height: number;
 }
 
-/** The same direction between −π and π. */
+/** Returns the angle between −π and π with the same direction. */
 export function normalizeAngle(angle: number): number {
   const turn = 2 * Math.PI;
   return angle - turn * Math.round(angle / turn);

@@ -49,7 +49,7 @@ export interface LocatedFrame {
 
 export interface LegendEntry {
   name: string;
-  /** Of CSS. */
+  /** A CSS color. */
   color: string;
   round?: true;
 }
@@ -66,7 +66,7 @@ export interface LayerPainter {
 export interface LayerView {
   ground: GroundPicture | null;
   lines: readonly Mark[];
-  /** Those of what a robot waits for stand out. */
+  /** Points, such as a laser scan's; those of what a robot waits for stand out. */
   dots: readonly Mark[];
 }
 
@@ -78,7 +78,7 @@ export interface GroundPicture {
 
 export interface Mark {
   points: readonly Point[];
-  /** Of CSS. */
+  /** A CSS color. */
   color: string;
 }
 

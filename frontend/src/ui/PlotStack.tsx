@@ -19,7 +19,7 @@ export interface PlotStackProps {
   lines: readonly PlotLine[];
   /** What each plot shows, to a screen reader. */
   labels: readonly string[];
-  /** Next to the name of each line. */
+  /** The buttons next to the name of each line. */
   tools: readonly ReactNode[];
   bands: readonly PlotBand[];
   /** How far the x axis goes at least. */

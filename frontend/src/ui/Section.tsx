@@ -4,7 +4,7 @@ import { pageSite } from "../api/site";
 
 interface SectionProps {
   title: string;
-  /** Next to the title, at the right. */
+  /** What stands at the right of the title. */
   aside?: ReactNode;
   children: ReactNode;
 }

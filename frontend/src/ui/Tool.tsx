@@ -6,7 +6,7 @@ interface ToolProps extends ActionIconProps, Omit<ComponentProps<"button">, keyo
   name: string;
   /** The picture, on 24 by 24. */
   path: string;
-  /** Of the picture (px). */
+  /** The width and height of the picture (px). */
   pixels?: number;
   /** For one that switches something on and off: whether it is on. */
   pressed?: boolean;

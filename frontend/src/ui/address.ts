@@ -55,7 +55,7 @@ export function texts(name: string): Part<readonly string[]> {
   };
 }
 
-/** Off by default. */
+/** A switch, which is off by default. */
 export function flag(name: string): Part<boolean> {
   return {
     read: (parameters) => parameters.get(name) === "true",

@@ -57,7 +57,7 @@ export function valueWords(
   return unit === null || value === null ? words : `${words} ${unit}`;
 }
 
-/** From this many equal items in a row on, they are written as one. */
+/** At least this many equal items in a row are written as one. */
 const MIN_RUN = 5;
 
 function arrayWords(values: readonly unknown[], node: SchemaNode | undefined, digits: Digits): string {

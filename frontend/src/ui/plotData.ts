@@ -87,16 +87,16 @@ export function plotAxis(scheme: "light" | "dark"): uPlot.Axis {
   };
 }
 
-/** Of lines, each as good to tell from the background as the others. */
+/** The colors of lines, with the same contrast to the background. */
 export const LINE_COLORS = {
   light: ["#1864ab", "#a61e4d", "#2b8a3e", "#862e9c", "#0b7285", "#d9480f"],
   dark: ["#74c0fc", "#ffa8c5", "#8ce99a", "#e599f7", "#66d9e8", "#ffc078"],
 } as const;
 
-/** Of the card that a plot is on. */
+/** The color of the card that a plot is on. */
 export const BACKGROUND = { light: "#ffffff", dark: "#242424" } as const;
 
-/** Behind the lines, faint enough to read them. */
+/** The colors of bands behind the lines, faint enough to read the lines. */
 export const BAND_COLORS = {
   light: { gray: "#868e9624", cyan: "#15aabf24", blue: "#228be624", green: "#40c05728", orange: "#fd7e1430" },
   dark: { gray: "#ced4da22", cyan: "#3bc9db2a", blue: "#4dabf72e", green: "#69db7c2a", orange: "#ffa94d36" },

@@ -17,7 +17,7 @@ import {
   roomyRange,
 } from "./plotData";
 
-/** From one x label to the next, at least (CSS pixels). */
+/** The least distance between two labels of the x axis (CSS pixels). */
 const X_SPACE = 80;
 /** A shorter drag is a click. */
 const LEAST_DRAG_PX = 4;
@@ -50,7 +50,7 @@ export class StackedPlots {
   #data: [number[], ...(number | null)[][]] = [[]];
   #version = -1;
   #zoomed: [number, number] | null = null;
-  /** The same for all plots, so that they are in line; each as it was drawn last. */
+  /** The width of the y axis, the same for all plots so that they are in line. */
   #axisWidth = 0;
   readonly #axisWidths: number[];
   /** The plot that the pointer is on: uPlot moves its cursor itself. */

@@ -8,7 +8,7 @@ export function lowerFirst(text: string): string {
   return text.charAt(0).toLowerCase() + text.slice(1);
 }
 
-/** As the gateway allows. */
+/** The longest id that the gateway allows. */
 const MAX_ID = 40;
 
 /** An id for something new: its name in small letters and digits, and a number where that is taken. */

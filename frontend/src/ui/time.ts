@@ -29,7 +29,7 @@ export function formatTime(ms: number, now: number = Date.now()): string {
   return isSameDay(ms, now) ? clock(ms) : dayAndClock(ms);
 }
 
-/** The same with milliseconds. */
+/** Writes a time as `formatTime` does, with milliseconds. */
 export function formatPreciseTime(ms: number, now: number = Date.now()): string {
   return isSameDay(ms, now) ? preciseClock(ms) : dayAndPreciseClock(ms);
 }

@@ -10,7 +10,7 @@ const DAYS: Partial<Record<Last, number>> = { today: 1, "7d": 7, "30d": 30 };
 
 /** A part of time as it stands in an address. */
 export interface TimeRange {
-  /** Goes before `since` and `until`. */
+  /** If set, `since` and `until` are ignored. */
   last: Last | null;
   /** RFC 3339. */
   since: string | null;
@@ -49,7 +49,7 @@ export function boundsOf(
   };
 }
 
-/** As the gateway is asked. */
+/** The query parameters of a request about this time. */
 export function timeQuery(range: TimeRange, now: number): { since?: string; until?: string } {
   const { since, until } = boundsOf(range, now);
   return {

@@ -227,7 +227,7 @@ function countSet(json: Json | undefined): number {
     : 1;
 }
 
-/** As `ros2` prints types: without the `msg` in the middle. */
+/** Writes a type without the `msg` in the middle, as `ros2` does. */
 function shortType(type: string): string {
   return type.replace("/msg/", "/");
 }

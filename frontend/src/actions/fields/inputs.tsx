@@ -124,7 +124,7 @@ export function NumbersField({ path, label, description, unit, value, shape, opt
   );
 }
 
-/** As many lines as a text of numbers needs, more or less. */
+/** The number of lines that a text of numbers needs, roughly. */
 function rowsFor(text: string): number {
   return Math.max(1, Math.min(8, Math.ceil(text.length / 60)));
 }

@@ -20,7 +20,7 @@ export interface Draft {
 interface Outgoing {
   /** The body of the request, as it is sent; null where there is none. */
   body: string | null;
-  /** The same as data, where that is what the form makes. */
+  /** The body as data if the form makes it; else null. */
   message: JsonObject | null;
   /** Whether it may be sent: what the gateway refused before is for the gateway to judge again. */
   ready: boolean;
@@ -44,7 +44,7 @@ export function withText(draft: Draft, text: string): Draft {
   return { ...draft, text, refused: [] };
 }
 
-/** As in the definition, with nothing set. */
+/** Resets a draft to the defaults of the definition. */
 export function withDefaults(draft: Draft, shape: MessageShape): Draft {
   return { ...draft, values: initialValues(shape), text: "{}", refused: [] };
 }
@@ -105,7 +105,7 @@ function parse(text: string): { json: Json } | FieldError {
   }
 }
 
-/** Of a message that is written in full, what somebody set. */
+/** Leaves out the fields of a message that have their default. */
 export function withoutDefaults(shape: MessageShape, message: Json): JsonObject {
   return writeMessage(shape, readMessage(shape, message).values).message;
 }

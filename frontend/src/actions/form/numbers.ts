@@ -66,7 +66,7 @@ export function countBytes({ encoding, text }: Bytes): number | null {
   return encoding === "numbers" ? splitNumbers(text).length : base64Length(withoutSpaces(text));
 }
 
-/** The same bytes written the other way; the text as it is where it is not valid. */
+/** Writes bytes in another encoding; text that is not valid stays as it is. */
 export function convertBytes(bytes: Bytes, encoding: Bytes["encoding"]): Bytes {
   if (bytes.encoding === encoding) return bytes;
   return { encoding, text: (encoding === "base64" ? toBase64 : toNumbers)(bytes.text) };

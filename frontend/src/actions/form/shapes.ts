@@ -70,7 +70,7 @@ export interface Length {
 
 export interface MessageShape {
   kind: "message";
-  /** As in `sensor_msgs/msg/BatteryState`. */
+  /** The full name, such as `sensor_msgs/msg/BatteryState`. */
   type: string;
   description: string | null;
   fields: readonly Field[];

@@ -16,7 +16,7 @@ export interface AuditFilter {
   outcome: Outcome | null;
 }
 
-/** As `GET /audit` takes it. */
+/** The ids of goals that `GET /audit` accepts. */
 export const GOAL_ID = /^[0-9a-f]{8}(-?[0-9a-f]{4}){3}-?[0-9a-f]{12}$/i;
 
 export const auditFilter = new Address<AuditFilter>({

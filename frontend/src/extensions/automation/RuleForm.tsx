@@ -37,7 +37,7 @@ interface RuleFormProps {
   rule: Rule | null;
   /** What a new one starts from. */
   example?: Partial<Draft> | undefined;
-  /** All of them. */
+  /** All rules, as they are now. */
   rules: readonly Rule[];
   onDone: () => void;
 }

@@ -18,7 +18,7 @@ export interface Source {
   robot: string;
   /** The camera. */
   name: string;
-  /** Pixels; more are scaled down by the gateway. */
+  /** The gateway scales wider pictures down to this (pixels). */
   maxWidth: number;
 }
 

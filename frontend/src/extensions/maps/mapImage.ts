@@ -33,7 +33,7 @@ interface DrawnMap extends GroundPicture {
 export class MapImage {
   #levels: ImageBitmap[] = [];
   #revision: string | null = null;
-  /** Of what is shown. */
+  /** The grid of the picture that is shown. */
   #shown: Grid | null = null;
   #drawn: DrawnMap | null = null;
   #timer: ReturnType<typeof setTimeout> | undefined;

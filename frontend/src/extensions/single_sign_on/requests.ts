@@ -3,7 +3,7 @@ import { type components, deadline, type Http, settle } from "@dock-gateway/clie
 /** Somebody who is logged in with the identity provider. */
 export type Person = components["schemas"]["Person"];
 
-/** By name. */
+/** The people of the identity provider, sorted by name. */
 export async function listPeople(http: Http): Promise<Person[]> {
   return (await settle(http.GET("/people", { signal: deadline() }))).people;
 }

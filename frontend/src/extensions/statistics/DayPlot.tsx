@@ -7,9 +7,9 @@ import classes from "./plots.module.css";
 
 const HEIGHT = 190;
 const [TOP, RIGHT, BOTTOM, LEFT] = [8, 34, 24, 46];
-/** Where there is no layout, as in a test. */
+/** The width of a plot where there is no layout, as in a test (px). */
 const UNKNOWN_WIDTH = 480;
-/** From one day's label to the next, at least. */
+/** The least distance between the labels of two days (px). */
 const LABEL_SPACE = 78;
 const MAX_BAR = 44;
 
@@ -18,7 +18,7 @@ export interface Geometry {
   /** The middle of a day. */
   x: (column: number) => number;
   y: (value: number) => number;
-  /** Of a bar. */
+  /** The width of a bar. */
   bar: number;
 }
 
@@ -28,7 +28,7 @@ interface DayPlotProps {
   summary: ReactNode;
   days: readonly string[];
   marks: readonly Mark[];
-  /** From 0, ascending; the last is the upper edge. */
+  /** The values of the axis, ascending from 0; the last is the upper edge. */
   ticks: readonly number[];
   tickWords: (value: number) => string;
   /** Drawn behind the marks. */

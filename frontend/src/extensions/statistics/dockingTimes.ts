@@ -3,7 +3,7 @@ import { useAnswer } from "../../ui/requests";
 import { dockingTimes } from "./requests";
 import type { View } from "./view";
 
-/** It changes slowly. */
+/** The statistics are read again after this time: they change slowly. */
 const FRESH_MS = 5 * 60_000;
 
 /** How long docking has taken the robots that are chosen, by week. */

@@ -3,7 +3,7 @@ import { fixed } from "../../ui/numbers";
 import { dayWords, ENDS, goalsLink, NOT_CANCELED, percent, SUCCEEDED, tenths } from "./cells";
 import type { GoalCounts, GoalGroup } from "./requests";
 
-/** Of errors that have a colour of their own; the rest is `Other`. */
+/** The number of errors that have a colour of their own; the rest is `Other`. */
 export const MAX_KINDS = 5;
 
 /** A day's point or bar, which leads to the goals that it counts. */
@@ -11,7 +11,7 @@ export interface Mark {
   key: string;
   /** Which day, from 0. */
   column: number;
-  /** From where to where it goes on the vertical axis. */
+  /** The lower end of the bar on the vertical axis; `to` is the upper one. */
   from: number;
   to: number;
   /** The point inside of it, such as a median; null for a bar. */

@@ -12,7 +12,7 @@ interface WebhookFormProps {
   webhook: Webhook | null;
   /** What a new one starts from. */
   example?: Partial<Draft> | undefined;
-  /** All of them. */
+  /** All webhooks, as they are now. */
   webhooks: readonly Webhook[];
   /** Null where nothing was stored. */
   onDone: (stored: StoredWebhook | null) => void;

@@ -5,12 +5,12 @@ import { layersOf } from "../../extension/extension";
 import { useFleet } from "../../fleet/context";
 import { type FleetLayer, type FleetPoses, SHARED_FRAME } from "../../store/layers";
 
-/** By robot, the frame that its pose is given in. */
+/** The frame of each robot's pose, by robot. */
 export type Frames = ReadonlyMap<string, Scene["frame"]>;
 
 /** The scenes of all robots as they come, with what layers know of where they are. */
 export class FleetScenes implements StreamHandlers {
-  /** Of each robot, in the shared frame where that is known. */
+  /** The pose of each robot, in the shared frame where that is known. */
   latest: FleetPoses = {};
   /** When the latest came (ms, on the clock of `performance.now()`). */
   arrivedAt = Number.NEGATIVE_INFINITY;

@@ -29,7 +29,7 @@ export class FleetStage extends Picture implements Stage {
   constructor(
     private readonly means: Means,
     camera: Camera,
-    /** By name; as they are on the page. */
+    /** The elements of the robots on the page, by name. */
     private readonly robots: ReadonlyMap<string, HTMLElement>,
     private readonly scenes: FleetScenes,
   ) {

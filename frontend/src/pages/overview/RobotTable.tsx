@@ -100,7 +100,7 @@ export default function RobotTable({ robots }: { robots: readonly Robot[] }) {
   );
 }
 
-/** As high as the rows that are not on the page. */
+/** Takes the room of the rows that are not rendered. */
 function Gap({ height }: { height: number }) {
   if (height === 0) return null;
   // biome-ignore lint/a11y/noAriaHiddenOnFocusable: a row without cells cannot have the focus

@@ -94,9 +94,9 @@ const COLUMNS: readonly Column[] = [
 const KEY = "dock-gateway-overview-columns";
 
 export interface ColumnChoice {
-  /** Those that are shown. */
+  /** The columns that are shown. */
   shown: ReadonlySet<Sort>;
-  /** Those that can be hidden, in the order of the table. */
+  /** The columns that can be hidden, in the order of the table. */
   optional: readonly Column[];
   hidden: readonly Sort[];
   toggle: (sort: Sort) => void;

@@ -30,7 +30,7 @@ export interface View {
   text: string;
   /** Robots in this group alone; null for all. */
   group: string | null;
-  /** Of several sites: robots of this site alone; null for all. */
+  /** At a hub: robots of this site alone; null for all. */
   site: string | null;
   sort: Sort;
   descending: boolean;
@@ -59,7 +59,7 @@ export function readColumns(names: unknown): Sort[] {
   return Array.isArray(names) ? SORTS.filter((sort) => names.includes(sort)) : [];
 }
 
-/** By robot; those without an alert are not in it. */
+/** The robots that have an alert, by name. */
 export type Attentions = ReadonlyMap<string, Attention>;
 
 export function matches(robot: Robot, show: Show, attentions: Attentions): boolean {
@@ -96,7 +96,7 @@ export function listed(robots: readonly Robot[], view: View, attentions: Attenti
     .sort((a, b) => sign * compare(a, b, attentions) || byName(a.name, b.name));
 }
 
-/** Ascending. */
+/** Compares two robots, for an ascending order. */
 const COMPARE: Record<Sort, (a: Robot, b: Robot, attentions: Attentions) => number> = {
   attention: (a, b, attentions) => (attentions.get(b.name) ?? 0) - (attentions.get(a.name) ?? 0),
   name: (a, b) => byName(siteOf(a), siteOf(b)) || byName(robotName(a), robotName(b)),
@@ -134,7 +134,7 @@ function endOf({ last_goal }: Robot): number {
     : -Date.parse(last_goal.finished_at ?? last_goal.updated_at);
 }
 
-/** Those in no group last. */
+/** The rank by group; robots in no group are last. */
 function groupsRank({ groups }: Robot): number {
   return groups.length === 0 ? 1 : 0;
 }

@@ -1,7 +1,7 @@
 import { defaultRangeExtractor, useWindowVirtualizer } from "@tanstack/react-virtual";
 import { type RefObject, useLayoutEffect, useState } from "react";
 
-/** As high as a row is with two lines (px). */
+/** The height of a row with two lines (px). */
 const ROW_PX = 65;
 
 /** Up to this many rows are all on the page, where the browser's own search finds them. */

@@ -22,7 +22,7 @@ export default function DeveloperPanels() {
   );
 }
 
-/** The same from a terminal. */
+/** The commands of the page for a terminal. */
 export function CurlCard() {
   const { robot } = useServices();
   const goal = currentGoal(useTopic("courses"));

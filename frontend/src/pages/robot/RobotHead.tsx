@@ -97,7 +97,7 @@ function LabelButton({ robot }: { robot: string }) {
   );
 }
 
-/** Comes where there are several robots. */
+/** Loaded where there are several robots. */
 const RobotSelect = lazyPart(() => import("./RobotSelect"));
 
 /** Goes to another robot of the fleet. Nothing where there is no other one. */

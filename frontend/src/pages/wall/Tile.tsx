@@ -100,7 +100,7 @@ const LEAST_WIDTH = 220;
 
 const LEAST_HEIGHT = 120;
 
-/** Width by height that a tile looks best with. */
+/** The ratio of width to height at which a tile looks best. */
 const SHAPE = 1.9;
 
 interface Grid {
