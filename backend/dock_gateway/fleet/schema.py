@@ -91,7 +91,7 @@ class LabelBody(Schema):
     groups: Annotated[tuple[GroupName, ...], Field(max_length=MAX_GROUPS), Unique]
 
 
-class Label(Schema):
+class Label(Versioned):
     """The label of a robot, which need not be on the ROS graph."""
 
     robot: str

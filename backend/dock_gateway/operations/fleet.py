@@ -84,10 +84,13 @@ async def acknowledge_alert(
 
 
 @operation(Role.SUPERVISOR, Scope.EVERY, errors=(409,))
-async def label_robot(parts: Parts, _: Principal, robot: str, label: RobotLabel) -> None:
+async def label_robot(
+    parts: Parts, _: Principal, robot: str, label: RobotLabel, condition: Condition = UNCONDITIONAL
+) -> None:
     """Replace the display name and the groups of a robot.
 
     Raises:
+        ChangedMeanwhile: The label has not the version of the condition.
         Conflict: There are too many labels.
     """
-    await parts[Labels].replace(robot, label)
+    await parts[Labels].replace(robot, label, condition)

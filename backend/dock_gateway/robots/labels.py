@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from dock_gateway.core.errors import Conflict, limit_reached
 from dock_gateway.core.namespace import normalize_namespace
 from dock_gateway.core.tasks import cancel
+from dock_gateway.core.versions import UNCONDITIONAL, Condition, entity_tag
 from dock_gateway.storage import Entries
 from dock_gateway.storage.shared_entries import SYNC_INTERVAL, SharedEntries
 
@@ -67,10 +68,15 @@ class Labels:
         """Return the robots that are in a group."""
         return {robot for robot, label in self._entries.all().items() if group in label.groups}
 
-    async def replace(self, robot: str, label: RobotLabel) -> None:
+    def etag(self, robot: str) -> str:
+        """Return the entity tag of the label of a robot, also of an empty one."""
+        return entity_tag(self.of(robot))
+
+    async def replace(self, robot: str, label: RobotLabel, condition: Condition = UNCONDITIONAL) -> None:
         """Store the label of a robot; an empty one removes it.
 
         Raises:
+            ChangedMeanwhile: The label has not the version of the condition.
             Conflict: The display name belongs to another robot (`display_name_taken`), or there are too many labels
                 (`limit_reached`).
             Unavailable: The history does not answer (`history_unavailable`); the label is what it was.
@@ -78,6 +84,7 @@ class Labels:
         known = frozenset(self._robots())
 
         def check(labels: Mapping[str, RobotLabel]) -> None:
+            condition.require(entity_tag(labels.get(robot) or NO_LABEL))
             others = {name: other for name, other in labels.items() if name != robot}
             if label != NO_LABEL and len(others) >= self._most:
                 raise limit_reached(self._most, "labels")

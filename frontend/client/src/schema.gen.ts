@@ -1443,7 +1443,11 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        get?: never;
+        /**
+         * Get Label
+         * @description Return the display name and the groups of a robot, which need not be there.
+         */
+        get: operations["get_label"];
         /**
          * Label Robot
          * @description Replace the display name and the groups of a robot, at every gateway that shares the history.
@@ -3795,6 +3799,11 @@ export interface components {
          * @description The label of a robot, which need not be on the ROS graph.
          */
         Label: {
+            /**
+             * Etag
+             * @description The version, as in the header `ETag`: send it as `If-Match`
+             */
+            etag: string;
             /** Robot */
             robot: string;
             /** Display Name */
@@ -13585,13 +13594,86 @@ export interface operations {
             };
         };
     };
-    label_robot: {
+    get_label: {
         parameters: {
             query?: {
                 /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
                 robot?: string | null;
             };
             header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    /** @description The version, for `If-Match` */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Label"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Misdirected Request */
+            421: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    label_robot: {
+        parameters: {
+            query?: {
+                /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
+                robot?: string | null;
+            };
+            header?: {
+                /** @description Entity tags: change it only if its version is one of these; `*`: if it exists */
+                "If-Match"?: string;
+            };
             path?: never;
             cookie?: never;
         };
@@ -13608,6 +13690,8 @@ export interface operations {
             /** @description Successful Response */
             200: {
                 headers: {
+                    /** @description The version, for `If-Match` */
+                    ETag?: string;
                     [name: string]: unknown;
                 };
                 content: {
@@ -13652,6 +13736,15 @@ export interface operations {
             };
             /** @description Conflict */
             409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Precondition Failed */
+            412: {
                 headers: {
                     [name: string]: unknown;
                 };

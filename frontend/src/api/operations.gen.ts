@@ -49,6 +49,7 @@ export const OPERATIONS = {
   "GET /graph/topics/{name}": { role: "viewer", everyRobot: false },
   "GET /interfaces": { role: "viewer", everyRobot: false },
   "GET /interfaces/{package}/action/{name}": { role: "viewer", everyRobot: false },
+  "GET /label": { role: "viewer", everyRobot: false },
   "GET /map": { role: "viewer", everyRobot: false },
   "GET /map.png": { role: "viewer", everyRobot: false },
   "GET /metrics": { role: "viewer", everyRobot: true },

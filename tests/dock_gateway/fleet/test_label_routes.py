@@ -16,14 +16,18 @@ LEFT = {"display_name": "Left forklift", "groups": ["hall 1", "forklifts"]}
 
 
 class Client(RouteClient):
-    """`PUT /label` of a gateway with the robots `/` and `/robot1`."""
+    """`/label` of a gateway with the robots `/` and `/robot1`."""
 
     def __init__(self) -> None:
         self.labels = Labels(EntriesInMemory[RobotLabel](), lambda: ["/", "/robot1"])
         super().__init__({Labels: self.labels, Robots: SimpleNamespace(default_namespace="/")})
 
     def put(self, status: int = 200, robot: str = "/robot1", **content: Any) -> Any:
-        return self.send("PUT", f"/label?robot={robot}", status, **content)
+        answer = self.send("PUT", f"/label?robot={robot}", status, **content)
+        if status == 200:
+            assert self.send("GET", f"/label?robot={robot}") == answer
+            del answer["etag"]
+        return answer
 
 
 @pytest.fixture
@@ -40,6 +44,19 @@ def test_a_label_is_replaced_and_removed(client: Client) -> None:
     empty = {"display_name": None, "groups": []}
     assert client.put(json=empty) == {"robot": "/robot1", **empty}
     assert client.labels.of("/robot1") == RobotLabel(None, ())
+
+
+def test_of_two_people_who_change_a_label_none_loses_a_change(client: Client) -> None:
+    seen = client.send("GET", "/label?robot=/robot1")
+    assert {name: seen[name] for name in LEFT} == {"display_name": None, "groups": []}
+    client.put(json=LEFT, headers={"If-Match": seen["etag"]})
+    other = {"display_name": "Right forklift", "groups": []}
+    refused = client.put(412, json=other, headers={"If-Match": seen["etag"]})
+    assert refused["code"] == "changed_meanwhile"
+    assert client.labels.of("/robot1").display_name == "Left forklift"
+    again = client.http.get("/label?robot=/robot1").headers["etag"]
+    client.put(json=other, headers={"If-Match": again})
+    client.put(json=LEFT)
 
 
 def test_spaces_and_groups_that_repeat_are_removed(client: Client) -> None:

@@ -7,17 +7,18 @@ from starlette.responses import Response
 
 from dock_gateway.audit.trail import audited
 from dock_gateway.core.fanout import Fanout
+from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.fleet.schema import AcknowledgementBody, Alert, AlertList, Label, LabelBody, RobotList
 from dock_gateway.http.bodies import Body, SignedBody
-from dock_gateway.http.operation import carries_out
-from dock_gateway.http.parts import AllParts
+from dock_gateway.http.operation import Audit, Scope, carries_out, operation
+from dock_gateway.http.parts import AllParts, Parts
 from dock_gateway.http.principal import ThePrincipal
 from dock_gateway.http.requests import WITH_POSITION, Answer, AnyRobotQuery, RobotQuery, json_response, list_response
 from dock_gateway.http.resource import ChangeCondition, Item, item_response, removed
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.operations import fleet
-from dock_gateway.robots.labels import RobotLabel
+from dock_gateway.robots.labels import Labels, RobotLabel
 from dock_gateway.robots.robots import Robots
 
 router = APIRouter(route_class=ApiRoute)
@@ -31,19 +32,41 @@ async def list_robots(parts: AllParts, principal: ThePrincipal, robot: AnyRobotQ
     return list_response({"robots": await fleet.list_robots(parts, principal, robot)}, position)
 
 
+@router.get("/label", tags=["Robots"])
+@operation(Role.VIEWER, Scope.ROBOT, Audit.NEVER)
+async def get_label(parts: AllParts, robot: RobotQuery = None) -> Item[Label]:
+    """Return the display name and the groups of a robot, which need not be there."""
+    return _answer_label(parts, _name_of(parts, robot))
+
+
 @router.put("/label", tags=["Robots"])
 @carries_out(fleet.label_robot)
 async def label_robot(
-    label: Body[LabelBody], request: Request, parts: AllParts, principal: ThePrincipal, robot: RobotQuery = None
-) -> Answer[Label]:
+    label: Body[LabelBody],
+    request: Request,
+    parts: AllParts,
+    principal: ThePrincipal,
+    condition: ChangeCondition,
+    *,
+    robot: RobotQuery = None,
+) -> Item[Label]:
     """Replace the display name and the groups of a robot, at every gateway that shares the history.
 
     `null` without groups removes the label. A label outlives restarts, and may be set before the robot appears.
     """
-    namespace = parts[Robots].default_namespace if robot is None else read_namespace(robot)
+    namespace = _name_of(parts, robot)
     audited(request, robot=namespace)
-    await fleet.label_robot(parts, principal, namespace, RobotLabel(label.display_name, label.groups))
-    return json_response({"robot": namespace, **label.model_dump()})
+    await fleet.label_robot(parts, principal, namespace, RobotLabel(label.display_name, label.groups), condition)
+    return _answer_label(parts, namespace)
+
+
+def _name_of(parts: Parts, robot: str | None) -> str:
+    return parts[Robots].default_namespace if robot is None else read_namespace(robot)
+
+
+def _answer_label(parts: Parts, robot: str) -> Item[Label]:
+    labels = parts[Labels]
+    return item_response({"robot": robot, "etag": labels.etag(robot), **vars(labels.of(robot))})
 
 
 AlertId = Annotated[str, Path(description="`id` of the alert")]
