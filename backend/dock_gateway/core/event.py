@@ -25,9 +25,9 @@ Narrow = Callable[[dict[str, Any], Grant], dict[str, Any] | None]
 class Event:
     """An encoded event and its routing data.
 
-    `topic` is `goals` or a name from `?include=`: `battery`, `cmd_vel`, `system`, `scene`, `scenes`, `robots`, `map`,
-    `maps`, `scan`, `path`. Only `droppable` events may be dropped for a slow subscriber. `id` is the document's id, if
-    it has one. `robot` is the namespace of the robot, if the event is about one robot. `ends_goal`: no further events
+    `topic` is `goals` or a name from `?include=`: `battery`, `cmd_vel`, `system`, `scene`, `scenes`, `robots`, or one
+    of an extension. Only `droppable` events may be dropped for a slow subscriber. `id` is the document's id, if it has
+    one. `robot` is the namespace of the robot, if the event is about one robot. `ends_goal`: no further events
     of the goal are expected. `supersedes`: the event replaces a queued one of the same topic and robot. `key`
     identifies what happened and is the same at every gateway, so the history stores it once. A goal has one end and
     one result. `source` is the ROS topic that it was read from, if readers need the right to read that, too.
@@ -300,15 +300,9 @@ def scene_event(scene: dict[str, Any], now: datetime, *, robot: str) -> Event:
 
 
 def overview_event(kind: str, payload: dict[str, dict[str, Any]], now: datetime, narrow: Narrow) -> Event:
-    """Return the event with the `scenes` or `maps` of all robots, by robot. Only the newest matters; none is stored."""
+    """Return an event about all robots, by robot, such as `scenes`. Only the newest matters; none is stored."""
     document = {"type": kind, "time": now, kind: payload}
     return Event(encode(document), kind, droppable=True, supersedes=True, narrow=narrow)
-
-
-def surroundings_event(kind: str, payload: dict[str, Any], now: datetime, *, robot: str, source: str | None) -> Event:
-    """Return the event of a robot's `map`, `scan` or `path`. Only the newest matters; none is stored."""
-    document = {"type": kind, "time": now, "robot": robot, kind: payload}
-    return Event(encode(document), kind, droppable=True, robot=robot, supersedes=True, source=source)
 
 
 def system_event(

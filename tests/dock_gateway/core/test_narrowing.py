@@ -4,7 +4,7 @@ from typing import Any
 
 import orjson
 
-from dock_gateway.core.event import Event, fleet_event, message_event, overview_event, surroundings_event, utc_now
+from dock_gateway.core.event import Event, fleet_event, message_event, overview_event, utc_now
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.narrowing import by_robot, narrow, narrow_alerts, narrow_robots
 
@@ -67,7 +67,7 @@ def test_other_events_are_the_same_for_all_readers() -> None:
 
 
 def test_what_comes_with_a_robot_is_limited_to_topics() -> None:
-    shown = surroundings_event("map", {}, NOW, robot="/robot1", source="/map")
+    shown = Event(b"{}", "map", robot="/robot1", source="/map")
     assert narrow(shown, Grant(Role.VIEWER, robots=("/robot1",))) is shown, "a map that all robots share"
     assert narrow(shown, Grant(Role.VIEWER, topics=("/map", "/robot1/*"))) is shown
     assert narrow(shown, Grant(Role.VIEWER, topics=("/robot1/*",))) is None

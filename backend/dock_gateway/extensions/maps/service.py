@@ -10,10 +10,11 @@ from functools import partial
 from typing import Any
 
 from dock_gateway.core.errors import GatewayError, NotFound
-from dock_gateway.core.event import overview_event, surroundings_event, utc_now
+from dock_gateway.core.event import overview_event, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.narrowing import by_robot
 from dock_gateway.core.tasks import cancel
+from dock_gateway.extensions.maps.events import surroundings_event
 from dock_gateway.extensions.maps.feed import MapFeed
 from dock_gateway.extensions.maps.frames import Frames
 from dock_gateway.extensions.maps.pool import Pool
@@ -27,12 +28,16 @@ log = logging.getLogger(__name__)
 # The maps of all robots in one event.
 MAPS = "maps"
 NARROW = by_robot(MAPS)
-# Seconds between two events of a scan, and between two checks for the topics of a robot.
-TICK, CHECK_INTERVAL = 0.2, 1.0
+# Seconds between two events of a scan.
+TICK = 0.2
+# Seconds between two checks for the topics of a robot.
+CHECK_INTERVAL = 1.0
 # Seconds between two events of what has not changed, for readers that have just come.
 REPEAT = 2.0
-# Seconds for which something is read on: after its last stream, and after a request.
-LINGER, ASKED = 3.0, 15.0
+# Seconds for which a topic is still read after its last stream has ended.
+LINGER = 3.0
+# Seconds for which a topic is read after a request.
+ASKED = 15.0
 # Seconds that a request waits for the first map.
 WAIT = 3.0
 
