@@ -106,7 +106,7 @@ def ours_with_settings(names: Iterable[str] = OURS) -> Iterator[type[ExtensionSe
 
 def _further() -> Iterator[type[ExtensionSettings]]:
     for name in further_names():
-        with suppress(Exception):  # as above
+        with suppress(Exception):  # the alert `extension_failed` says why, once the gateway runs
             if (found := find_entry_point(name)) is not None and (settings := found.load().settings) is not None:
                 yield settings
 

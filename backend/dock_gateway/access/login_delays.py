@@ -39,9 +39,14 @@ class Slope:
         return min(self.longest, 2.0 ** min(failures - self.free - 1, MAX_DOUBLINGS))
 
 
-# For a name at an address or in a known browser, at an address from which it has logged in before, for an address, and
-# for a name at all places.
-PAIR, KNOWN, ADDRESS, NAME = Slope(4, 300.0), Slope(100, 300.0), Slope(20, 300.0), Slope(20, 10.0)
+# For a name at an address, or in a known browser.
+PAIR = Slope(4, 300.0)
+# For a name at an address from which it has logged in before.
+KNOWN = Slope(100, 300.0)
+# For all names at an address.
+ADDRESS = Slope(20, 300.0)
+# For a name at all addresses.
+NAME = Slope(20, 10.0)
 
 
 @dataclass

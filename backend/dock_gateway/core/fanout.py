@@ -192,7 +192,7 @@ class Fanout:
         self._wanting: defaultdict[tuple[str, str | None], set[Subscriber]] = defaultdict(set)
         self._on_watch: dict[str, Callable[[], None]] = {}
         self.closing = False
-        self.on_close = Listeners[[]]("streams are to end")  # maybe twice
+        self.on_close = Listeners[[]]("streams are to end")  # may be called twice
 
     def __len__(self) -> int:
         return len(self._subscribers)

@@ -25,8 +25,12 @@ P = ParamSpec("P")
 Result = TypeVar("Result")
 Item = TypeVar("Item")
 
-# Maximum bytes of a message that is processed on the event loop, in a thread, and in the worker process.
-SMALL, MEDIUM, MOST = 4096, 65_536, 20_000_000
+# Maximum bytes of a message that is processed on the event loop.
+SMALL = 4096
+# Maximum bytes of a message that is processed in a thread.
+MEDIUM = 65_536
+# Maximum bytes of a message that is processed at all: in the worker process.
+MOST = 20_000_000
 # Seconds that a piece of work may take in the process, whose start takes one or two.
 WITHIN = 30.0
 # Times as long as a client's message took in a thread: the pause before the next one, in which others work.
@@ -35,8 +39,10 @@ REST = 4
 TURN = 0.001
 # Large messages of clients that wait to be read.
 MOST_WAITING = 32
-# Bytes that a pipe to the process holds, and how much less urgent it is than the gateway.
-PIPE, NICENESS = 1_000_000, 5
+# Bytes that a pipe to the process holds.
+PIPE_BYTES = 1_000_000
+# The niceness of the process above that of the gateway.
+NICENESS = 5
 
 
 class TooLarge(Exception):
@@ -109,7 +115,7 @@ def _start() -> "subprocess.Popen[bytes]":
     for pipe in (process.stdin, process.stdout):
         assert pipe is not None
         with contextlib.suppress(OSError):  # the system allows less
-            fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, PIPE)
+            fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, PIPE_BYTES)
     return process
 
 

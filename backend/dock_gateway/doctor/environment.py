@@ -16,7 +16,7 @@ from robot_io.startup import find_load_fault, find_ros_fault
 # The packages of the docking actions that can be used.
 DOCKING_PACKAGES = tuple(dict.fromkeys(adapter.action_type.partition("/")[0] for adapter in ADAPTERS["dock"]))
 
-# Those of the program. Each holds all that it needs of it.
+# The distributions of the program. Each contains all modules that it needs.
 DISTRIBUTIONS = ("dock-gateway", "dock-gateway-core", "dock-gateway-hub")
 
 

@@ -22,8 +22,10 @@ ADVICE = {
     errno.EACCES: "ports below 1024 are for root; {option} takes another",
     errno.EADDRNOTAVAIL: "--host has to be an address of this machine",
 }
-# Free space in bytes below which the history soon does not fit, and below which it does not now.
-LITTLE, NONE = 1_000_000_000, 50_000_000
+# Bytes of free space below which the history will soon not fit.
+LITTLE = 1_000_000_000
+# Bytes of free space below which the history does not fit now.
+NONE = 50_000_000
 # Seconds for an answer of a gateway, or of a database.
 PATIENCE = 3.0
 # What adjtimex returns if the clock is not synchronized.

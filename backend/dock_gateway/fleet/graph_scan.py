@@ -21,8 +21,10 @@ from dock_gateway.settings import Settings
 
 log = logging.getLogger(__name__)
 
-# Seconds between two scans of the graph, and between two scans while something on it is still to be registered.
-SCAN_INTERVAL, PAUSE = 1.0, 0.1
+# Seconds between two scans of the graph.
+SCAN_INTERVAL = 1.0
+# Seconds between two scans while something on the graph is still to be registered.
+PAUSE = 0.1
 
 
 async def scan_graph(parts: Parts) -> None:

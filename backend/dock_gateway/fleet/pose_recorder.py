@@ -12,10 +12,14 @@ from dock_gateway.core.tasks import Tasks
 from dock_gateway.robots.registry import Robot
 
 SCAN_INTERVAL = 0.25  # seconds between two scans of the running goals
-# Nanoseconds between two stored poses of a goal; doubled each time this number of poses has been stored.
-INTERVAL_NS, THIN_AFTER = 200_000_000, 1500
-# What has moved by less, in metres and radians, is where it was.
-MOVED_M, TURNED_RAD = 0.005, 0.01
+# Nanoseconds between two stored poses of a goal.
+INTERVAL_NS = 200_000_000
+# That interval doubles each time this number of poses has been stored.
+THIN_AFTER = 1500
+# Metres: what has moved by less is where it was.
+MOVED_M = 0.005
+# Radians: what has turned by less is as it was.
+TURNED_RAD = 0.01
 
 Scene = dict[str, Any]
 

@@ -19,8 +19,10 @@ from dock_gateway.storage import Entries
 
 log = logging.getLogger(__name__)
 
-# Seconds between two times that a claim is stored, and after which one that is not stored again is no longer valid.
-BEAT, EXPIRY = 2.0, 10.0
+# Seconds between two times that a claim is stored.
+BEAT = 2.0
+# Seconds after which a claim that is not stored again is no longer valid.
+EXPIRY = 10.0
 # Seconds at shutdown for giving it up.
 CLOSE_WITHIN = 0.5
 

@@ -21,9 +21,11 @@ Message = Callable[[Now, Goal], None]
 # Goals adopted in one batch. All waiting goals are looked up together. Those that have ended are settled at once and do
 # not count towards the batch.
 BATCH = 50
-# A result is requested for each goal, and an action server queues only 10 requests (ROS's default). So many goals are
-# adopted before a pause, in seconds.
-REQUESTS_AT_ONCE, REQUEST_PAUSE = 5, 0.02
+# Goals that are adopted before a pause: a result is requested for each, and an action server queues only 10 requests
+# (ROS's default).
+REQUESTS_AT_ONCE = 5
+# Seconds of that pause.
+REQUEST_PAUSE = 0.02
 # Maximum number of messages that wait with each goal that is looked up.
 MAX_MESSAGES = 100
 

@@ -22,9 +22,10 @@ from dock_gateway.settings import Settings
 log = logging.getLogger(__name__)
 
 STOP_TIMEOUT = 1.0
-# action_msgs/CancelGoal: ERROR_UNKNOWN_GOAL_ID and ERROR_GOAL_TERMINATED, which also stands for a goal that is being
-# canceled already.
-UNKNOWN_GOAL, NOTHING_TO_CANCEL = 2, 3
+# ERROR_UNKNOWN_GOAL_ID of action_msgs/CancelGoal.
+UNKNOWN_GOAL = 2
+# ERROR_GOAL_TERMINATED of action_msgs/CancelGoal, which also stands for a goal that is being canceled already.
+NOTHING_TO_CANCEL = 3
 
 TOO_LATE = GoalError(
     "action_server_timeout",

@@ -55,7 +55,7 @@ class GoalDocuments:
         documents = [self.brief(goal) for goal in goals]
         try:
             known = await self._history.notes.of([goal.goal_id for goal in goals])
-        except Unavailable:  # what still runs can be asked for all the same
+        except Unavailable:  # goals that still run can be read without the history
             pass
         else:
             for goal, document in zip(goals, documents, strict=True):

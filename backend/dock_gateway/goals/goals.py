@@ -48,7 +48,8 @@ class Goals:
             NotFound: There is no such goal, or the grant does not cover it: the client gets the same answer.
         """
         goal = self._live.goal(goal_id)
-        if goal is None or not grant.covers_action(goal.action_name):  # if the history is away, that is the same, too
+        # The answer is the same while the history cannot be read.
+        if goal is None or not grant.covers_action(goal.action_name):
             goal = await self._history.get(goal_id) or goal
         if goal is None or not grant.covers_action(goal.action_name):
             raise NotFound(f"there is no goal {goal_id}", code="goal_not_found")

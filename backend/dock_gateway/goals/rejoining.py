@@ -17,12 +17,16 @@ from dock_gateway.goals.tracker import GoalTracker
 
 log = logging.getLogger(__name__)
 
-# Seconds of silence after which a server is no longer tried, because its robot is switched off; and the same for one
-# that has no goal and has left the graph.
-GIVE_UP_AFTER, GIVE_UP_IDLE_AFTER = 600.0, 60.0
-# Seconds for which another participant is tried, and seconds before it is tried again: twice as many after each try
-# without an answer.
-KEEP, PAUSE, LONGEST_PAUSE = 60.0, 10.0, 600.0
+# Seconds of silence after which a server is no longer tried, because its robot is switched off.
+GIVE_UP_AFTER = 600.0
+# The same for a server that has no goal and has left the graph.
+GIVE_UP_IDLE_AFTER = 60.0
+# Seconds for which another participant is tried.
+KEEP = 60.0
+# Seconds before another participant is tried again. They double after each try without an answer.
+PAUSE = 10.0
+# Maximum seconds of that pause.
+LONGEST_PAUSE = 600.0
 INTERVAL = 0.5
 
 

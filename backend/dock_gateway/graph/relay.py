@@ -20,8 +20,10 @@ log = logging.getLogger(__name__)
 
 # Seconds between two checks of a topic: who publishes it, and how.
 TICK = 1.0
-# Where all readers are patient: seconds between two takes, and how many times longer a check takes to come.
-PAUSE, SELDOM = 0.25, 5
+# Seconds between two takes if all readers are patient.
+PAUSE = 0.25
+# How many times longer the interval of checks is then.
+SELDOM = 5
 
 
 class Outlet(Protocol):

@@ -77,8 +77,8 @@ def limits(settings: Settings) -> dict[str, Limit]:
 
 
 NO_FURTHER: Mapping[str, Limit] = {}
-# How many of something that takes long a user may do at the same time, where that is not one; the others wait, without
-# being refused.
+# The number of long requests that a user may have in progress at the same time, by kind, where it is not one. Further
+# ones wait; they are not refused.
 TURNS = {"parameters of many": 2}
 
 

@@ -63,7 +63,8 @@ class Interlock:
 
     Attributes:
         on_latch: Called with the namespace of a robot that is held by another gateway's stop.
-        on_heard: The same, at once, before it is known that no release crosses it.
+        on_heard: Called as soon as another gateway's stop is heard: before `on_latch`, which waits for a release that
+            may have been sent at the same time.
         on_release: Called with the namespace of a robot whose stop is released, here or at another gateway.
     """
 

@@ -17,7 +17,10 @@ from dock_gateway.core.battery import (
 
 # Seconds for which a field must be right again until it is believed: two publishers on one topic may take turns. The
 # time doubles each time that the field is wrong again within `RECENT`, up to `MAX_HOLD`.
-HOLD, MAX_HOLD, RECENT = 10.0, 300.0, 3600.0
+HOLD = 10.0
+MAX_HOLD = 300.0
+# Seconds since a field was last wrong.
+RECENT = 3600.0
 # The stamp of a message, and how far it may be from the gateway's clock, in seconds.
 STAMP = "header.stamp"
 CLOCK = "header.stamp, moving"

@@ -29,9 +29,12 @@ from dock_gateway.ros.messages.interfaces import load_action
 from dock_gateway.ros.status import text_of
 from robot_io.rclpy_private import InvalidHandle
 
-# Seconds that a server has for an answer when it is tried through another participant, seconds between two checks, and
-# seconds for the server to be found through the common participant.
-ANSWER_WITHIN, CHECK_INTERVAL, HOME_WITHIN = 1.0, 0.1, 5.0
+# Seconds that a server has for an answer when it is tried through another participant.
+ANSWER_WITHIN = 1.0
+# Seconds between two checks for that answer.
+CHECK_INTERVAL = 0.1
+# Seconds for the server to be found through the common participant.
+HOME_WITHIN = 5.0
 
 # The maximum number of unanswered requests to cancel single goals: an action server queues only 10 (ROS's default), and
 # drops others, such as the request to cancel all goals.

@@ -27,10 +27,14 @@ from robot_io.rclpy_private import Buffer, Waiter, take_response
 
 log = logging.getLogger(__name__)
 
-# The maximum number of messages, and seconds, for one entity before the next entity's turn.
-BURST, TURN = 100, 0.005
-# After a message that takes longer than SLOW seconds, messages of more than LARGE bytes are not read for a while.
-SLOW, LARGE = 0.005, 10_000
+# The maximum number of messages of one entity before the next entity's turn.
+BURST = 100
+# The maximum number of seconds of one entity's turn.
+TURN = 0.005
+# Seconds that a message takes to read, beyond which large messages are not read for a while.
+SLOW = 0.005
+# Bytes of a message beyond which it is a large one.
+LARGE = 10_000
 # The first bytes of a message, by which a callback decides whether it wants it.
 HEAD = 32
 # The number of requests per client that are remembered, to detect a second response.

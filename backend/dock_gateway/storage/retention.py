@@ -21,19 +21,28 @@ log = logging.getLogger(__name__)
 
 INTERVAL = 60.0  # seconds between two runs
 TIMEOUT = 10.0  # seconds per transaction
-# The same of a history in memory, and how much of it is kept: events, and rows of the audit log and keys.
-MEMORY_INTERVAL, MEMORY_EVENT_BYTES, MEMORY_ROWS = 15.0, 5_000_000, 10_000
-# The maximum number of events, and of goals (with their events), deleted per transaction, to keep it short.
-CHUNK, GOAL_CHUNK = 1000, 20
+# Seconds between two runs for a history in memory.
+MEMORY_INTERVAL = 15.0
+# Bytes of events that a history in memory keeps.
+MEMORY_EVENT_BYTES = 5_000_000
+# Rows of the audit log, and of idempotency keys, that a history in memory keeps.
+MEMORY_ROWS = 10_000
+# The maximum number of events deleted per transaction, to keep it short.
+CHUNK = 1000
+# The maximum number of goals, with their events, deleted per transaction.
+GOAL_CHUNK = 20
 # The maximum number of transactions of one kind in a run: what is added during a run is for the next one.
 MAX_CHUNKS = 10_000
-# The maximum number of events, and of goals, that are added up to find the last one that is too much.
-MOST_EVENTS, MOST_GOALS = 20_000, 2000
+# The maximum number of events that are added up to find the last one that is too much.
+MOST_EVENTS = 20_000
+# The same for goals.
+MOST_GOALS = 2000
 # Bytes of a status or result event in the file besides its text: ids, indexes and its share of the goal's row.
 OVERHEAD = 1000
-# The pause after each transaction, so that other writers get the lock and the disk: in seconds, or as a multiple of
-# the time that the transaction took, whichever is longer.
-PAUSE, REST = 0.05, 4
+# Seconds of the pause after each transaction, so that other writers get the lock and the disk.
+PAUSE = 0.05
+# The same as a multiple of the time that the transaction took. The longer pause counts.
+REST = 4
 
 # `not in`, because with `in` SQLite would scan all ended goals by the index on the status, and sort them.
 HAS_ENDED = goals.c.status.not_in([status.value for status in GoalStatus if not status.final])

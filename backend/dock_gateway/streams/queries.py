@@ -27,7 +27,7 @@ class Includes(tuple[str, ...]):
 STREAM_QUERY = ("goal_id", "action", "robot", "include", "feedback")
 INCLUDES = ("battery", "cmd_vel", "system", "scene", "scenes", "robots")
 MIN_RATE, MAX_RATE = 0.01, 1000.0
-# As they are described: they are read as those of WebSockets are, with the same errors.
+# Only describes the parameters: they are read as those of WebSockets are, with the same errors.
 FlagText = Annotated[str, WithJsonSchema({"type": "boolean"})]
 RateText = Annotated[str, WithJsonSchema({"type": "number", "minimum": MIN_RATE, "maximum": MAX_RATE})]
 

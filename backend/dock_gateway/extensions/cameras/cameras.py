@@ -18,8 +18,10 @@ from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.relays import Relays
 from dock_gateway.robots.registry import RobotRegistry
 
-# Seconds that a viewer waits for its first picture. It waits no longer after this many pictures that cannot be shown.
-FIRST, UNREADABLE = 5.0, 3
+# Seconds that a viewer waits for its first picture.
+FIRST = 5.0
+# Pictures that cannot be shown, after which a viewer waits no longer.
+UNREADABLE = 3
 # Seconds between two checks of a viewer that is not woken up.
 LONG = 60.0
 

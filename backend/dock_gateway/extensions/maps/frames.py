@@ -18,7 +18,7 @@ log = logging.getLogger(__name__)
 NOW = 0.0
 # Bytes of a message after which others have their turn.
 LARGE = 4_000
-# Behind the name of a topic of moving frames: that of the frames that never move.
+# The suffix of the topic with the frames that never move; without it, the topic has those that move.
 STATIC = "_static"
 
 

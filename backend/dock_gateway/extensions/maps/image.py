@@ -15,7 +15,7 @@ _DEPTH, _PALETTE = 8, 3
 
 # Red, green, blue and opacity, from 0 to 255.
 Color = tuple[int, int, int, int]
-# Of what is free, occupied and unknown.
+# The colours of free, occupied and unknown cells.
 COLORS: tuple[Color, Color, Color] = (254, 254, 254, 255), (0, 0, 0, 255), (205, 205, 205, 0)
 
 

@@ -28,14 +28,20 @@ from robot_io.recording import Sample
 
 log = logging.getLogger(__name__)
 
-# Seconds before a goal and after its end that its recording has.
-BEFORE, AFTER = 5.0, 2.0
-# Seconds between two pieces of a file, and between two checks of what is to be deleted.
-FLUSH, CLEAN = 0.5, 60.0
+# Seconds before the start of a goal that its recording has.
+BEFORE_GOAL = 5.0
+# Seconds after the end of a goal that its recording has.
+AFTER_GOAL = 2.0
+# Seconds between two writes to a recording.
+FLUSH_INTERVAL = 0.5
+# Seconds between two deletions of what is too much.
+CLEAN_INTERVAL = 60.0
 # Seconds that the end of the gateway waits for the disk.
 CLOSE_TIMEOUT = 2.0
-# Bytes of a recording, as a file and without compression, after which only its end is written.
-MAX_RECORDING, MAX_SAID = 200_000_000, 1_000_000_000
+# Bytes of a file, as it is on the disk, after which only the end of the recording is written.
+MAX_FILE_BYTES = 200_000_000
+# The same for the bytes before they are compressed.
+MAX_UNCOMPRESSED_BYTES = 1_000_000_000
 
 
 class _Running:
@@ -51,7 +57,7 @@ class _Running:
         self.collector = collector
         self.ends_at: float | None = None
         self.began_at = time.monotonic()
-        self.began_ns = time.time_ns() - int(BEFORE * 1e9)
+        self.began_ns = time.time_ns() - int(BEFORE_GOAL * 1e9)
         self.seen: int | None = None
         self.state: object = None
         self.opened: OpenRecording | None = None
@@ -61,7 +67,7 @@ class _Running:
     def full(self) -> bool:
         """Whether only the end is still to be written."""
         opened = self.opened
-        return opened is not None and (opened.size > MAX_RECORDING or opened.file.said > MAX_SAID)
+        return opened is not None and (opened.size > MAX_FILE_BYTES or opened.file.said > MAX_UNCOMPRESSED_BYTES)
 
     def about(self) -> dict[str, str]:
         """Return what the recording is about."""
@@ -191,7 +197,7 @@ class Recorder:
             self._store.note(goal.goal_id, reason)
             self._stop(running)
         else:
-            running.ends_at = time.monotonic() + AFTER
+            running.ends_at = time.monotonic() + AFTER_GOAL
 
     def _unwanted(self, goal: Goal) -> str | None:
         """Return why nothing is kept of a goal that has ended; None: it is kept."""
@@ -256,10 +262,10 @@ class Recorder:
             for running in list(self._running.values()):
                 await self._proceed(running)
             if time.monotonic() >= clean_at:
-                clean_at = time.monotonic() + CLEAN
+                clean_at = time.monotonic() + CLEAN_INTERVAL
                 await asyncio.to_thread(self._store.clean)
             with suppress(TimeoutError):
-                async with asyncio.timeout(FLUSH):
+                async with asyncio.timeout(FLUSH_INTERVAL):
                     await self._closing.wait()
         for running in list(self._running.values()):
             await self._proceed(running, closing=True)
@@ -269,9 +275,9 @@ class Recorder:
         ring, age = running.collector.ring, time.monotonic() - running.began_at
         done = running.ends_at is not None and (closing or time.monotonic() >= running.ends_at)
         if running.seen is None:
-            if age < FLUSH and not closing:
+            if age < FLUSH_INTERVAL and not closing:
                 return
-            running.seen = ring.mark(BEFORE + age)
+            running.seen = ring.mark(BEFORE_GOAL + age)
             self._changed.set()
             self._tasks.spawn(self._note_parameters(running))
         samples: list[Sample] = []

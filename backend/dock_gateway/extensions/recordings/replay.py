@@ -17,12 +17,16 @@ from robot_io.transform_tree import TransformTree
 
 SCAN, ODOMETRY, BATTERY = "sensor_msgs/msg/LaserScan", "nav_msgs/msg/Odometry", "sensor_msgs/msg/BatteryState"
 VELOCITIES = ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped")
-# Nanoseconds between two messages of a topic that are used; the maximum number of messages of each kind, and of points
-# of a scan.
-INTERVAL_NS, MOST, MOST_POINTS = 200_000_000, 400, 180
-# The maximum number of scans, and of messages of another kind, in memory while a recording is read. If there are more,
-# those used are farther apart.
-MOST_SCANS, MOST_HELD = 4_000, 100_000
+# Nanoseconds between two messages of a topic that are used.
+INTERVAL_NS = 200_000_000
+# The maximum number of messages of each kind.
+MOST = 400
+# The maximum number of points of a scan.
+MOST_POINTS = 180
+# The maximum number of scans in memory while a recording is read. If there are more, those used are farther apart.
+MOST_SCANS = 4_000
+# The same for messages of each other kind.
+MOST_HELD = 100_000
 # Parts of the time whose extreme values are kept; two quantities need at most half of `MOST`.
 PARTS = 50
 

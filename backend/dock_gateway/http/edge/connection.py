@@ -17,9 +17,11 @@ log = logging.getLogger(__name__)
 LINGER_BYTES = 64_000_000
 # Bytes that wait in a connection until its protocol stops writing. TLS would hold eight times as many.
 WRITE_BUFFER = 65_536
-# Incomplete input of all clients together, in bodies of the maximum size, and of those at one address. Beyond these
-# limits, a client that has sent more than SHARE bytes is refused; small requests still pass.
-UNFINISHED_BODIES, UNFINISHED_OF_ADDRESS = 8, 6
+# Maximum incomplete input of all clients together, in bodies of the maximum size.
+UNFINISHED_BODIES = 8
+# The same for all clients at one address.
+UNFINISHED_OF_ADDRESS = 6
+# Beyond these limits, a client that has sent more than this number of bytes is refused; small requests still pass.
 SHARE = 16_384
 # Seconds that a reserve connection has for its answer, in addition to the timeout of the request head.
 ANSWER_WITHIN = 2.0

@@ -7,8 +7,10 @@ from time import perf_counter
 
 Work = Callable[[], None]
 
-# Seconds that a message or a piece of an answer costs that a client is sent: by itself, and for each byte.
-SEND_COST, BYTE_COST = 0.00005, 1e-9
+# Seconds that it costs to send a client a message or a piece of an answer.
+SEND_COST = 0.00005
+# Seconds that each of its bytes costs in addition.
+BYTE_COST = 1e-9
 
 
 class TurnScheduler:

@@ -15,7 +15,7 @@ from rclpy.serialization import deserialize_message
 from rosbags.highlevel import AnyReader
 from rosbags.interfaces import QosDurability
 
-from dock_gateway.extensions.recordings.recorder import BEFORE
+from dock_gateway.extensions.recordings.recorder import BEFORE_GOAL
 from dock_gateway.ros.messages.interfaces import load_message
 from robot_io.recording import Sample, read
 from tests.support.gateway import ACTION, RunningGateway, running_gateway
@@ -141,7 +141,7 @@ def test_what_was_published_once_long_before_is_the_first_in_the_recording(
             return [each for each in read(file) if each.topic == "/map"]
 
         (heard, *_) = wait_until(lambda: recorded("/recording.mcap"), "the map")
-        old_ns = heard.received_ns + (BEFORE + 0.5) * 1e9
+        old_ns = heard.received_ns + (BEFORE_GOAL + 0.5) * 1e9
         wait_until(lambda: time.time_ns() > old_ns, "it is older than what a recording has of before its goal")
         goal_id = send(gateway, SUCCEEDED)
         wait_for_recording(gateway, goal_id)
