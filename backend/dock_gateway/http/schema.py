@@ -27,6 +27,12 @@ class Schema(BaseModel):
     )
 
 
+class Identified(Schema):
+    """Something that has an id."""
+
+    id: str
+
+
 class FieldProblem(Schema):
     """One invalid field. `path` is dotted, `in` the part of the request that has it."""
 

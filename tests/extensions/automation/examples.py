@@ -4,7 +4,7 @@ from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
-from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome, RuleMode, WaitReason
+from dock_gateway.extensions.automation.decision import DecisionEntry, DecisionOutcome, RuleMode, WaitReason
 from dock_gateway.extensions.automation.policy import DockingPolicy, RobotFacts, Verdict
 from dock_gateway.extensions.automation.rule import WEEKDAYS, BatteryCondition, RuleEntry, Schedule
 from dock_gateway.http.schema import RobotSelection
@@ -35,7 +35,7 @@ class Site:
     def __init__(self, **rules: RuleEntry) -> None:
         self.rules = rules
         self.policy = DockingPolicy()
-        self.decisions: dict[str, Decision] = {}
+        self.decisions: dict[str, DecisionEntry] = {}
         self.verdict = Verdict()
 
     def look(
@@ -46,13 +46,14 @@ class Site:
 
     def decide(
         self, seconds: float, *robots: RobotFacts, outcome: DecisionOutcome = DecisionOutcome.SENT
-    ) -> list[Decision]:
+    ) -> list[DecisionEntry]:
         now = NOON + timedelta(seconds=seconds)
         self.verdict = self.policy.decide(self.rules, robots, self.decisions, now, seconds)
         for identity in self.verdict.recovered:
-            self.decisions[identity] = replace(self.decisions[identity], open=False)
+            self.decisions[identity] = self.decisions[identity].model_copy(update={"open": False})
         for decision in self.verdict.decisions:
-            final = replace(decision, outcome=outcome) if decision.outcome is DecisionOutcome.SENDING else decision
+            sending = decision.outcome is DecisionOutcome.SENDING
+            final = decision.model_copy(update={"outcome": outcome}) if sending else decision
             self.decisions[str(len(self.decisions))] = final
         return [*self.decisions.values()][len(self.decisions) - len(self.verdict.decisions) :]
 
@@ -64,3 +65,22 @@ class Site:
 def robot(**facts: Any) -> RobotFacts:
     """The robot with an empty battery, except for these facts."""
     return replace(EMPTY, **facts)
+
+
+def decision_entry(**fields: Any) -> DecisionEntry:
+    """A decision of the rule `low` about the robot, at noon, except for these fields."""
+    made: dict[str, Any] = {
+        "rule_id": "low",
+        "rule_name": "Low battery",
+        "robot": "/robot1",
+        "decided_at": NOON,
+        "outcome": DecisionOutcome.SENDING,
+        "battery": 0.1,
+        "idle_since_at": NOON,
+        "scheduled_at": None,
+        "goal_id": None,
+        "code": None,
+        "detail": None,
+        "open": True,
+    }
+    return DecisionEntry(**made | fields)

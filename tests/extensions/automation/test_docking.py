@@ -17,7 +17,7 @@ from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.extensions.automation import docking
 from dock_gateway.extensions.automation.activity import Activity
-from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome, RuleMode
+from dock_gateway.extensions.automation.decision import DecisionEntry, DecisionOutcome, RuleMode
 from dock_gateway.extensions.automation.decisions import DecisionLog
 from dock_gateway.extensions.automation.docking import AutomaticDocking
 from dock_gateway.extensions.automation.rule import BatteryCondition, RuleEntry
@@ -29,7 +29,7 @@ from dock_gateway.robots.labels import NO_LABEL
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.storage import History
 from dock_gateway.storage.shared_entries import SharedBook
-from tests.extensions.automation.examples import LOW_BATTERY, changed
+from tests.extensions.automation.examples import LOW_BATTERY, changed, decision_entry
 from tests.support.entries import SharedStore
 from tests.support.history import HistoryInMemory
 from tests.support.waiting import until
@@ -92,7 +92,7 @@ class Site:
 
     def __init__(self) -> None:
         self.robot = Robot()
-        self.rules, self.stored = SharedStore[RuleEntry](), SharedStore[Decision]()
+        self.rules, self.stored = SharedStore[RuleEntry](), SharedStore[DecisionEntry]()
         self.gateways: list[AutomaticDocking] = []
         self.activities: list[Activity] = []  # of each of them
         self.history = HistoryInMemory()
@@ -122,8 +122,8 @@ class Site:
         gateway.start()
         return gateway
 
-    async def decided(self, count: int = 1) -> list[Decision]:
-        def all_final() -> list[Decision]:
+    async def decided(self, count: int = 1) -> list[DecisionEntry]:
+        def all_final() -> list[DecisionEntry]:
             found = list(self.stored.known.values())
             return [] if any(each.outcome is DecisionOutcome.SENDING for each in found) else found
 
@@ -229,7 +229,7 @@ async def test_a_stop_between_the_decision_and_the_goal_wins(site: Site, code: s
 async def test_what_changes_while_the_decision_is_stored_counts(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
     claim = DecisionLog.claim
 
-    async def stopped_meanwhile(log: DecisionLog, identity: str, decision: Decision) -> None:
+    async def stopped_meanwhile(log: DecisionLog, identity: str, decision: DecisionEntry) -> None:
         await claim(log, identity, decision)
         site.robot.stop["latched"] = True
 
@@ -272,10 +272,7 @@ async def test_a_decision_that_cannot_be_claimed_is_not_carried_out(site: Site) 
 @pytest.mark.parametrize("sent", [True, False])
 async def test_what_an_ended_gateway_left_is_found_out(site: Site, sent: bool) -> None:
     earlier = utc_now() - timedelta(minutes=2)
-    left = Decision(
-        "low", "Low", ROBOT, earlier, DecisionOutcome.SENDING, 0.1, earlier, None, None, None, None, open=True
-    )
-    await site.stored.write("x", left)
+    await site.stored.write("x", decision_entry(decided_at=earlier, idle_since_at=earlier))
     await site.rules.write("low", AT_ONCE)
     if sent:
         goal = Goal("b", f"{ROBOT}/dock", "pkg/action/Dock", earlier)
@@ -293,8 +290,7 @@ async def test_what_an_ended_gateway_left_is_found_out(site: Site, sent: bool) -
 async def test_a_changed_rule_begins_anew_and_gives_up_no_more(site: Site) -> None:
     gateway = site.gateway()
     now = utc_now() - timedelta(hours=1)
-    gave_up = Decision("low", "Low", ROBOT, now, DecisionOutcome.GAVE_UP, 0.1, now, None, None, None, None, open=True)
-    await site.stored.write("x", gave_up)
+    await site.stored.write("x", decision_entry(decided_at=now, outcome=DecisionOutcome.GAVE_UP))
     await gateway.replace("low", AT_ONCE)
     assert gateway.decisions.given_up() == {}
     assert [decision.outcome for decision in await site.decided(2)] == [DecisionOutcome.GAVE_UP, DecisionOutcome.SENT]
@@ -318,10 +314,10 @@ async def test_the_oldest_decisions_are_deleted(site: Site) -> None:
     log = DecisionLog(site.fanout, site.stored, most=2)
     for minute in range(4):
         at = old + timedelta(minutes=minute)
-        log.finish(str(minute), Decision("low", "Low", ROBOT, at, DecisionOutcome.SENT, *[None] * 6, open=False))
+        log.finish(str(minute), decision_entry(decided_at=at, outcome=DecisionOutcome.SENT, open=False))
     await log.save()
     assert sorted(await site.stored.read()) == ["2", "3"]
-    found = await log.newest(robot=None, rule_id=None, goal_id=None, limit=1)
+    found, _ = await log.page(limit=1)
     assert [decision["id"] for decision in found] == ["3"]
 
 
@@ -329,15 +325,23 @@ async def test_an_old_decision_that_counts_is_kept(site: Site) -> None:
     """Otherwise the rule would send a robot again that it has given up, and the alert about that would end."""
     old = utc_now() - timedelta(days=1)
     log = DecisionLog(site.fanout, site.stored, most=2)
-    log.finish("gave up", Decision("low", "Low", ROBOT, old, DecisionOutcome.GAVE_UP, *[None] * 6, open=True))
+    log.finish("gave up", decision_entry(decided_at=old, outcome=DecisionOutcome.GAVE_UP))
     for day in range(3):
         at = old + timedelta(hours=1 + day)
-        log.finish(str(day), Decision("night", "Night", "/robot2", at, DecisionOutcome.SENT, *[None] * 6, open=False))
+        log.finish(
+            str(day),
+            decision_entry(rule_id="night", robot="/robot2", decided_at=at, outcome=DecisionOutcome.SENT, open=False),
+        )
     await log.save()
     assert sorted(await site.stored.read()) == ["1", "2", "gave up"]
     assert [*log.given_up()] == [ROBOT]
     log.close_series(["gave up"])
-    log.finish("3", Decision("night", "Night", "/robot2", utc_now(), DecisionOutcome.SENT, *[None] * 6, open=False))
+    log.finish(
+        "3",
+        decision_entry(
+            rule_id="night", robot="/robot2", decided_at=utc_now(), outcome=DecisionOutcome.SENT, open=False
+        ),
+    )
     await log.save()
     assert sorted(await site.stored.read()) == ["2", "3"]
 

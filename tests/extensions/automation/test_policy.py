@@ -1,17 +1,16 @@
 """When a rule docks a robot, when it does not, and how often it tries."""
 
-from dataclasses import replace
 from datetime import timedelta
 from typing import Any
 
 import pytest
 
 from dock_gateway.core.errors import Conflict
-from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome, RuleMode, WaitReason
+from dock_gateway.extensions.automation.decision import DecisionOutcome, RuleMode, WaitReason
 from dock_gateway.extensions.automation.past import MAX_ATTEMPTS, require_free
 from dock_gateway.extensions.automation.rule import BatteryCondition
 from dock_gateway.http.schema import RobotSelection
-from tests.extensions.automation.examples import AT_ONE, EMPTY, LOW_BATTERY, NOON, Site, changed, robot
+from tests.extensions.automation.examples import AT_ONE, EMPTY, LOW_BATTERY, NOON, Site, changed, decision_entry, robot
 
 FULL = robot(battery=0.9)
 DUE = 600.0  # the seconds past noon at which AT_ONE is due
@@ -206,13 +205,6 @@ def test_what_was_never_seen_is_not_missed() -> None:
 # ---------------------------------------------------------------------- several gateways
 
 
-def decision(**fields: Any) -> Decision:
-    made = Decision(
-        "low", "Low battery", "/robot1", NOON, DecisionOutcome.SENDING, 0.1, NOON, None, None, None, None, open=True
-    )
-    return replace(made, **fields)
-
-
 @pytest.mark.parametrize(
     ("stored", "mine"),
     [
@@ -230,7 +222,7 @@ def decision(**fields: Any) -> Decision:
 )
 def test_one_gateway_decides(stored: dict[str, Any], mine: dict[str, Any]) -> None:
     with pytest.raises(Conflict):
-        require_free(decision(**mine), {"a": decision(**stored)})
+        require_free(decision_entry(**mine), {"a": decision_entry(**stored)})
 
 
 @pytest.mark.parametrize(
@@ -244,14 +236,16 @@ def test_one_gateway_decides(stored: dict[str, Any], mine: dict[str, Any]) -> No
     ],
 )
 def test_a_decision_that_is_free(stored: dict[str, Any]) -> None:
-    require_free(decision(), {"a": decision(**stored)})
+    require_free(decision_entry(), {"a": decision_entry(**stored)})
 
 
 def test_the_fourth_attempt_is_not_free() -> None:
-    earlier = {str(n): decision(decided_at=NOON - timedelta(hours=n), outcome=DecisionOutcome.SENT) for n in (1, 2, 3)}
+    earlier = {
+        str(n): decision_entry(decided_at=NOON - timedelta(hours=n), outcome=DecisionOutcome.SENT) for n in (1, 2, 3)
+    }
     with pytest.raises(Conflict):
-        require_free(decision(), earlier)
-    require_free(decision(), {name: replace(each, open=False) for name, each in earlier.items()})
+        require_free(decision_entry(), earlier)
+    require_free(decision_entry(), {name: each.model_copy(update={"open": False}) for name, each in earlier.items()})
 
 
 # ---------------------------------------------------------------------- just before the goal

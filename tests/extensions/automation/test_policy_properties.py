@@ -7,7 +7,7 @@ from datetime import datetime, timedelta
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome, RuleMode
+from dock_gateway.extensions.automation.decision import DecisionEntry, DecisionOutcome, RuleMode
 from dock_gateway.extensions.automation.past import MAX_ATTEMPTS, RETRY_INTERVAL
 from dock_gateway.extensions.automation.policy import QUIET_PERIOD, STILL_FOR, RobotFacts
 from dock_gateway.extensions.automation.rule import RuleEntry
@@ -37,7 +37,7 @@ def test_what_always_holds(history: list[tuple[object, ...]], low: RuleMode, lun
     rules = {"low": changed(LOW_BATTERY, mode=low), "lunch": changed(AT_ONE, mode=lunch)}
     site = Site(**rules)
     seconds = 0.0
-    sent: list[tuple[datetime, Decision]] = []
+    sent: list[tuple[datetime, DecisionEntry]] = []
     since_recovery: defaultdict[str, int] = defaultdict(int)
     for step in history:
         pause, battery, stale, docked, unreachable, goal, stopped, still, person, outcome = step

@@ -9,13 +9,14 @@ from hypothesis import given, settings
 
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.fanout import Fanout
-from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome
+from dock_gateway.extensions.automation.decision import DecisionEntry, DecisionOutcome
 from dock_gateway.extensions.automation.decisions import DecisionLog
 from dock_gateway.extensions.automation.docking import AutomaticDocking
 from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.fleet.fleet import Fleet
 from dock_gateway.goals.known_robots import KnownRobots
 from dock_gateway.storage.shared_entries import SharedBook
+from tests.extensions.automation.examples import decision_entry
 from tests.support.history import HistoryInMemory
 from tests.support.robot_actions import make_known_robots
 from tests.support.route_client import RouteClient
@@ -44,7 +45,7 @@ class Client(RouteClient):
             self.history,
             activity=unused,
             rules=SharedBook(self.history.documents("rule", RuleEntry), "rule", 2),
-            decisions=DecisionLog(Fanout(queue_limit=1), self.history.documents("decision", Decision)),
+            decisions=DecisionLog(Fanout(queue_limit=1), self.history.documents("decision", DecisionEntry)),
         )
         super().__init__({AutomaticDocking: docking, KnownRobots: make_known_robots(self.history, "/", "/robot1")})
 
@@ -125,9 +126,8 @@ async def test_decisions_are_found_by_robot_rule_and_goal(client: Client) -> Non
     goal_id = "6a8c2b0a-5c63-4d0e-9c1e-0d7a9c4d5e6f"
     for identity, rule_id, robot in (("a", "low", "/robot1"), ("b", "night", "/robot1"), ("c", "night", "/gone")):
         sent = goal_id if identity == "b" else None
-        facts = (0.1, now, None, sent, None, None)
-        decision = Decision(rule_id, rule_id, robot, now, DecisionOutcome.SENT, *facts, open=True)
-        await client.history.documents("decision", Decision).write(identity, decision)
+        entry = decision_entry(rule_id=rule_id, robot=robot, decided_at=now, outcome=DecisionOutcome.SENT, goal_id=sent)
+        await client.history.documents("decision", DecisionEntry).write(identity, entry)
 
     def found(query: str = "") -> list[str]:
         return [decision["id"] for decision in client.get("decisions", query=query)["decisions"]]

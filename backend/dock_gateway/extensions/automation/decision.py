@@ -1,8 +1,11 @@
-"""A decision of automatic docking, and why a rule does not dock a robot. Plain data; `rule.py` has the rules."""
+"""A decision of automatic docking, and why a rule does not dock a robot. A new field is declared here alone."""
 
-from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
+
+from pydantic import ConfigDict
+
+from dock_gateway.http.schema import Schema
 
 
 class RuleMode(StrEnum):
@@ -32,8 +35,7 @@ class DecisionOutcome(StrEnum):
 ATTEMPTS = frozenset({DecisionOutcome.SENDING, DecisionOutcome.SENT, DecisionOutcome.REFUSED})
 
 
-@dataclass(frozen=True)
-class Decision:
+class DecisionFields(Schema):
     """One decision of a rule about a robot.
 
     Attributes:
@@ -48,8 +50,9 @@ class Decision:
         goal_id: The goal, if one was made.
         code: Why no goal was sent, if none was.
         detail: The same, in words.
-        open: Whether it counts for later decisions about this low battery.
     """
+
+    model_config = ConfigDict(frozen=True)
 
     rule_id: str
     rule_name: str
@@ -62,6 +65,15 @@ class Decision:
     goal_id: str | None
     code: str | None
     detail: str | None
+
+
+class DecisionEntry(DecisionFields):
+    """A decision as it is stored.
+
+    Attributes:
+        open: Whether it counts for later decisions about this low battery.
+    """
+
     open: bool
 
 

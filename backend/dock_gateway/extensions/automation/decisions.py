@@ -2,7 +2,6 @@
 
 import logging
 from collections.abc import Mapping
-from dataclasses import replace
 from datetime import datetime
 from typing import Any
 
@@ -10,7 +9,7 @@ from dock_gateway.core.cursor import Cursor, newest
 from dock_gateway.core.event import fleet_event, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.grant import UNLIMITED, Grant
-from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome
+from dock_gateway.extensions.automation.decision import DecisionEntry, DecisionOutcome
 from dock_gateway.extensions.automation.past import require_free
 from dock_gateway.storage import Entries
 from dock_gateway.storage.shared_entries import SharedEntries
@@ -18,7 +17,7 @@ from dock_gateway.storage.shared_entries import SharedEntries
 log = logging.getLogger(__name__)
 
 
-class DecisionLog(SharedEntries[Decision]):
+class DecisionLog(SharedEntries[DecisionEntry]):
     """The stored decisions. It publishes each once it is final, whichever gateway made it.
 
     Args:
@@ -27,13 +26,13 @@ class DecisionLog(SharedEntries[Decision]):
         most: Maximum number of decisions that are kept, besides those that still count; the oldest are deleted.
     """
 
-    def __init__(self, fanout: Fanout, store: Entries[Decision], most: int = 1000) -> None:
+    def __init__(self, fanout: Fanout, store: Entries[DecisionEntry], most: int = 1000) -> None:
         super().__init__(store)
         self._fanout = fanout
         self._most = most
         self._published: set[str] | None = None  # None until they have been read once
 
-    async def read(self) -> Mapping[str, Decision]:
+    async def read(self) -> Mapping[str, DecisionEntry]:
         """Store pending changes, read other gateways' decisions, publish the new ones, and return all by their ids.
 
         Raises:
@@ -49,7 +48,7 @@ class DecisionLog(SharedEntries[Decision]):
         self._published = final
         return decisions
 
-    async def claim(self, identity: str, decision: Decision) -> None:
+    async def claim(self, identity: str, decision: DecisionEntry) -> None:
         """Store a decision before it is carried out.
 
         Raises:
@@ -58,7 +57,7 @@ class DecisionLog(SharedEntries[Decision]):
         """
         await self.store(identity, decision, lambda stored: require_free(decision, stored))
 
-    def finish(self, identity: str, decision: Decision) -> None:
+    def finish(self, identity: str, decision: DecisionEntry) -> None:
         """Record what came of a claimed decision. `sync` stores it if the history does not answer now."""
         if self.all().get(identity) != decision:
             self.put(identity, decision)
@@ -73,7 +72,7 @@ class DecisionLog(SharedEntries[Decision]):
     def close_series(self, identities: list[str]) -> None:
         """Let open decisions no longer count for later ones."""
         for identity in identities:
-            self.put(identity, replace(self.all()[identity], open=False))
+            self.put(identity, self.all()[identity].model_copy(update={"open": False}))
 
     def close_rule(self, rule_id: str) -> None:
         """Let the open decisions of a rule no longer count for later ones."""
@@ -85,7 +84,7 @@ class DecisionLog(SharedEntries[Decision]):
             ]
         )
 
-    def given_up(self) -> dict[str, Decision]:
+    def given_up(self) -> dict[str, DecisionEntry]:
         """Return, by robot, the decisions to give up that still count."""
         return {
             decision.robot: decision
@@ -93,7 +92,7 @@ class DecisionLog(SharedEntries[Decision]):
             if decision.open and decision.outcome is DecisionOutcome.GAVE_UP
         }
 
-    def interrupted(self, before: datetime) -> dict[str, Decision]:
+    def interrupted(self, before: datetime) -> dict[str, DecisionEntry]:
         """Return the decisions older than this that no gateway has finished."""
         return {
             identity: decision
@@ -149,13 +148,11 @@ def narrow_decision(document: dict[str, Any], grant: Grant) -> dict[str, Any] | 
     return document if grant.covers_robot(document["automation"]["robot"]) else None
 
 
-def _document(identity: str, decision: Decision) -> dict[str, Any]:
-    fields = dict(vars(decision))
-    del fields["open"]
-    return {"id": identity, **fields}
+def _document(identity: str, decision: DecisionEntry) -> dict[str, Any]:
+    return {"id": identity, **decision.model_dump(exclude={"open"})}
 
 
-def _log(decision: Decision) -> None:
+def _log(decision: DecisionEntry) -> None:
     """Write the one log line of a decision."""
     battery = "unknown" if decision.battery is None else f"{decision.battery:.0%}"
     condition = (

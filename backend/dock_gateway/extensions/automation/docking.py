@@ -6,7 +6,6 @@ import time
 import uuid
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import replace
 from datetime import timedelta
 from typing import Any
 
@@ -18,7 +17,7 @@ from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.core.versions import UNCONDITIONAL, Condition
 from dock_gateway.extensions.automation.activity import Activity
-from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome, RuleMode, WaitReason
+from dock_gateway.extensions.automation.decision import DecisionEntry, DecisionOutcome, RuleMode, WaitReason
 from dock_gateway.extensions.automation.decisions import DecisionLog
 from dock_gateway.extensions.automation.policy import DockingPolicy, RobotFacts
 from dock_gateway.extensions.automation.rule import RuleEntry
@@ -274,7 +273,7 @@ class AutomaticDocking:
 
     # ------------------------------------------------------------------ carrying out
 
-    async def _carry_out(self, decision: Decision, rule: RuleEntry | None) -> None:
+    async def _carry_out(self, decision: DecisionEntry, rule: RuleEntry | None) -> None:
         identity = uuid.uuid4().hex
         try:
             await self._rules.sync()
@@ -292,20 +291,21 @@ class AutomaticDocking:
         finally:
             self._deciding.discard(decision.robot)
 
-    async def _send(self, identity: str, decision: Decision) -> Decision:
+    async def _send(self, identity: str, decision: DecisionEntry) -> DecisionEntry:
         """Send the goal of a claimed decision, unless something has changed since; return what came of it."""
         if not await self._rules.sync():
-            return replace(decision, outcome=DecisionOutcome.REFUSED, code="history_unavailable")
+            return decision.model_copy(update={"outcome": DecisionOutcome.REFUSED, "code": "history_unavailable"})
         # No wait from here to the submission, which notices every stop that comes later.
         facts = {robot.name: robot for robot in self._facts(self._fleet.states()) if robot.name == decision.robot}
         obstacle = self._obstacle(decision, facts)
         if obstacle is not None:
             held = obstacle is WaitReason.STOP_LATCHED
-            return replace(
-                decision,
-                outcome=DecisionOutcome.HELD if held else DecisionOutcome.SKIPPED,
-                code=obstacle.value,
-                detail=facts[decision.robot].stopped if held else None,
+            return decision.model_copy(
+                update={
+                    "outcome": DecisionOutcome.HELD if held else DecisionOutcome.SKIPPED,
+                    "code": obstacle.value,
+                    "detail": facts[decision.robot].stopped if held else None,
+                }
             )
         try:
             action = self._actions.get(self._robot_actions.docking_pair(decision.robot).dock)
@@ -316,24 +316,28 @@ class AutomaticDocking:
         except GatewayError as error:
             outcome = DecisionOutcome.HELD if is_by_stop(error) else DecisionOutcome.REFUSED
             goal_id = error.extra.get("goal_id")
-            return replace(decision, outcome=outcome, code=error.code, detail=error.detail, goal_id=goal_id)
-        return replace(decision, outcome=DecisionOutcome.SENT, goal_id=goal.goal_id)
+            return decision.model_copy(
+                update={"outcome": outcome, "code": error.code, "detail": error.detail, "goal_id": goal_id}
+            )
+        return decision.model_copy(update={"outcome": DecisionOutcome.SENT, "goal_id": goal.goal_id})
 
-    def _obstacle(self, decision: Decision, facts: Mapping[str, RobotFacts]) -> WaitReason | None:
+    def _obstacle(self, decision: DecisionEntry, facts: Mapping[str, RobotFacts]) -> WaitReason | None:
         rule, robot = self._rules.all().get(decision.rule_id), facts.get(decision.robot)
         if robot is None:
             return WaitReason.SERVER_UNAVAILABLE
         return self._policy.obstacle(decision.rule_id, rule, robot, time.monotonic())
 
-    async def _resolve(self, identity: str, decision: Decision) -> None:
+    async def _resolve(self, identity: str, decision: DecisionEntry) -> None:
         """Find out what came of a decision whose gateway has ended."""
         try:
             goal = await self._history.by_key(_key(identity))
             if goal is not None and not goal.unsent:
-                decision = replace(decision, outcome=DecisionOutcome.SENT, goal_id=goal.goal_id)
+                decision = decision.model_copy(update={"outcome": DecisionOutcome.SENT, "goal_id": goal.goal_id})
             else:
                 detail = "the gateway ended before it sent the goal"
-                decision = replace(decision, outcome=DecisionOutcome.REFUSED, code="interrupted", detail=detail)
+                decision = decision.model_copy(
+                    update={"outcome": DecisionOutcome.REFUSED, "code": "interrupted", "detail": detail}
+                )
             self.decisions.finish(identity, decision)
         except Unavailable:
             return  # later

@@ -7,7 +7,7 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.tasks import closed_by
 from dock_gateway.extension import Extension
 from dock_gateway.extensions.automation.activity import Activity
-from dock_gateway.extensions.automation.decision import Decision
+from dock_gateway.extensions.automation.decision import DecisionEntry
 from dock_gateway.extensions.automation.decisions import DecisionLog
 from dock_gateway.extensions.automation.docking import MAX_RULES, AutomaticDocking
 from dock_gateway.extensions.automation.error_codes import CODES
@@ -45,7 +45,7 @@ async def open_automation(parts: Parts) -> AsyncIterator[AutomaticDocking]:
         closed_by(
             stack, OnDemand(robots.topics.bridge, activity, "motion", lambda robot: _follow(parts, activity, robot))
         )
-        decisions = DecisionLog(parts[Fanout], history.documents("decision", Decision))
+        decisions = DecisionLog(parts[Fanout], history.documents("decision", DecisionEntry))
         stack.enter_context(parts[AlertBoard].sources.adding(lambda: gave_up(decisions, robots.namespaces())))
         docking = closed_by(
             stack,
@@ -83,7 +83,7 @@ def gave_up(decisions: DecisionLog, robots: list[str]) -> list[Alert]:
     return [_alert(given_up[robot]) for robot in robots if robot in given_up]
 
 
-def _alert(decision: Decision) -> Alert:
+def _alert(decision: DecisionEntry) -> Alert:
     return Alert(
         GAVE_UP,
         decision.robot,

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from datetime import datetime, timedelta
 
 from dock_gateway.core.errors import Conflict
-from dock_gateway.extensions.automation.decision import ATTEMPTS, Decision, DecisionOutcome
+from dock_gateway.extensions.automation.decision import ATTEMPTS, DecisionEntry, DecisionOutcome
 
 # How long after an attempt, or after a failed docking, the next one may follow.
 RETRY_INTERVAL = timedelta(minutes=5)
@@ -18,8 +18,8 @@ Key = tuple[str, str]  # the id of a rule, and a robot
 class Past:
     """Earlier decisions, in the order in which the policy asks for them."""
 
-    def __init__(self, decisions: Mapping[str, Decision]) -> None:
-        self.open: defaultdict[Key, list[Decision]] = defaultdict(list)
+    def __init__(self, decisions: Mapping[str, DecisionEntry]) -> None:
+        self.open: defaultdict[Key, list[DecisionEntry]] = defaultdict(list)
         self._attempted: dict[str, datetime] = {}  # by robot: the last attempt
         self._scheduled: set[tuple[Key, datetime]] = set()
         for decision in decisions.values():
@@ -51,7 +51,7 @@ class Past:
         return last is not None and abs(now - last) < RETRY_INTERVAL
 
 
-def require_free(decision: Decision, stored: Mapping[str, Decision]) -> None:
+def require_free(decision: DecisionEntry, stored: Mapping[str, DecisionEntry]) -> None:
     """Check a decision against those that all gateways have stored.
 
     Raises:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from datetime import datetime, timedelta
 from typing import Any
 
-from dock_gateway.extensions.automation.decision import Decision, DecisionOutcome, RuleMode, WaitReason
+from dock_gateway.extensions.automation.decision import DecisionEntry, DecisionOutcome, RuleMode, WaitReason
 from dock_gateway.extensions.automation.past import MAX_ATTEMPTS, RETRY_INTERVAL, Key, Past
 from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.extensions.automation.schedule import last_due, next_due
@@ -79,7 +79,7 @@ class Verdict:
         watched: The robots that are about to be docked, unless they move.
     """
 
-    decisions: list[Decision] = field(default_factory=list)
+    decisions: list[DecisionEntry] = field(default_factory=list)
     recovered: list[str] = field(default_factory=list)
     waits: dict[Key, WaitReason] = field(default_factory=dict)
     watched: set[str] = field(default_factory=set)
@@ -113,7 +113,7 @@ class DockingPolicy:
         self,
         rules: Mapping[str, RuleEntry],
         robots: Iterable[RobotFacts],
-        decisions: Mapping[str, Decision],
+        decisions: Mapping[str, DecisionEntry],
         now: datetime,
         seconds: float,
     ) -> Verdict:
@@ -181,7 +181,7 @@ class DockingPolicy:
         since = None if robot.still_since is None else max(robot.still_since, low_since or robot.still_since)
         held = outcome is DecisionOutcome.HELD
         verdict.decisions.append(
-            Decision(
+            DecisionEntry(
                 rule_id=key[0],
                 rule_name=rule.name,
                 robot=robot.name,

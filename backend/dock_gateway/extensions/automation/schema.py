@@ -5,10 +5,10 @@ from typing import Literal
 
 from pydantic import ConfigDict
 
-from dock_gateway.extensions.automation.decision import DecisionOutcome, WaitReason
+from dock_gateway.extensions.automation.decision import DecisionFields, WaitReason
 from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.http.resource import Versioned
-from dock_gateway.http.schema import Schema
+from dock_gateway.http.schema import Identified, Schema
 
 
 class RuleRobot(Schema):
@@ -34,7 +34,7 @@ class RuleList(Schema):
     rules: list[Rule]
 
 
-class Decision(Schema):
+class Decision(DecisionFields, Identified):
     """What a rule decided about a robot, and the facts that it went by.
 
     `battery` is the charge (0 to 1); `idle_since_at` is when the robot was idle with a low battery, or stood still
@@ -61,19 +61,6 @@ class Decision(Schema):
             ]
         }
     )
-
-    id: str
-    rule_id: str
-    rule_name: str
-    robot: str
-    decided_at: datetime
-    outcome: DecisionOutcome
-    battery: float | None
-    idle_since_at: datetime | None
-    scheduled_at: datetime | None
-    goal_id: str | None
-    code: str | None
-    detail: str | None
 
 
 class DecisionList(Schema):
