@@ -88,7 +88,7 @@ def test_a_recorded_goal_is_replayed(domain: int, observer: Observer, tmp_path: 
 
 
 # Replays beside a busy processor, and recordings that Hypothesis makes odd. Each replay starts a process.
-REPLAYS, FILES = int(os.environ.get("REPLAYS", "3")), int(os.environ.get("REPLAYED_FILES", "2"))
+REPLAYS, FILES = int(os.environ.get("REPLAYS", "2")), int(os.environ.get("REPLAYED_FILES", "2"))
 
 
 @pytest.fixture(scope="module")
