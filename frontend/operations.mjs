@@ -36,7 +36,7 @@ const roles = requests.flatMap(({ name, operation }) => {
   return role === undefined ? [] : `  "${name}": { role: "${role}", everyRobot: ${everyRobot} },\n`;
 });
 const LIMITED =
-  /^(PUT \/(automation|webhooks)\/.*|PUT \/label|PUT \/goals\/{goal_id}\/tags|PUT \/session\/password|POST \/(session|tokens|goals\/{goal_id}\/notes))$/;
+  /^(PUT \/(automation|webhooks)\/.*|PUT \/label|PUT \/goals\/{goal_id}\/tags|PUT \/session\/password|POST \/(session|tokens|missions|goals\/{goal_id}\/notes))$/;
 const limits = requests.flatMap(({ name, operation }) => {
   const schema = operation.requestBody?.content["application/json"]?.schema;
   const lines = schema !== undefined && LIMITED.test(name) ? limitsIn(schema) : [];

@@ -3,6 +3,7 @@ export { extension as audit_log } from "./extensions/audit_log/extension";
 export { extension as automation } from "./extensions/automation/extension";
 export { extension as cameras } from "./extensions/cameras/extension";
 export { extension as maps } from "./extensions/maps/extension";
+export { extension as missions } from "./extensions/missions/extension";
 export { extension as recordings } from "./extensions/recordings/extension";
 export { extension as simulator } from "./extensions/simulator/extension";
 export { extension as single_sign_on } from "./extensions/single_sign_on/extension";

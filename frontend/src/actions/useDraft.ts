@@ -27,7 +27,6 @@ export function useDraft(action: string, shape: MessageShape, starting: Json) {
   const [draft, setDraft] = useState(
     () => client.getQueryData<Draft>([DRAFT, action]) ?? newDraft(shape, starting),
   );
-  const [hidden, setHidden] = useState<readonly FieldError[]>([]);
   const update = useCallback(
     (change: (before: Draft) => Draft) =>
       setDraft((before) => {
@@ -38,6 +37,20 @@ export function useDraft(action: string, shape: MessageShape, starting: Json) {
       }),
     [client, action],
   );
+  return useDraftOf(draft, update, shape);
+}
+
+/**
+ * What a form of a message needs of the draft that it edits.
+ *
+ * @param update Changes the draft, wherever that is kept. It has to stay the same function.
+ */
+export function useDraftOf(
+  draft: Draft,
+  update: (change: (before: Draft) => Draft) => void,
+  shape: MessageShape,
+) {
+  const [hidden, setHidden] = useState<readonly FieldError[]>([]);
   const out = useMemo(() => outgoing(draft, shape), [draft, shape]);
 
   return {

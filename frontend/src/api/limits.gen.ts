@@ -6,6 +6,17 @@ export const LIMITS = {
     "by": { maxLength: 60 },
     "text": { maxLength: 2000 },
   },
+  "POST /missions": {
+    "name": { maxLength: 60 },
+    "priority": { minimum: 0, maximum: 100 },
+    "steps": { maxItems: 200 },
+    "steps[].action.name": { maxLength: 255 },
+    "steps[].wait.seconds": { minimum: 0, maximum: 604800 },
+    "steps[].wait.battery": { maximum: 1 },
+    "steps[].timeout_s": { minimum: 1, maximum: 604800 },
+    "steps[].tries": { minimum: 1, maximum: 20 },
+    "by": { maxLength: 60 },
+  },
   "POST /session": {
     "user": { maxLength: 60 },
     "password": { minLength: 1, maxLength: 200 },

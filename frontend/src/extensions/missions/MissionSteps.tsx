@@ -1,0 +1,105 @@
+import { Anchor, Text, VisuallyHidden } from "@mantine/core";
+import { Link } from "react-router";
+import { goalPath } from "../../fleet/names";
+import { Time } from "../../ui/Time";
+import { sentence } from "../../ui/text";
+import classes from "./missions.module.css";
+import { hasEnded } from "./queue";
+import type { Mission, MissionStep } from "./requests";
+import { errorWords, optionWords, STEP_STATES, stepWords } from "./words";
+
+/** The steps of a mission with their states, tries, goals and errors. */
+export function MissionSteps({ mission }: { mission: Mission }) {
+  const present = mission.started_at === null || hasEnded(mission) ? null : mission.step;
+  return (
+    <ol className={classes.steps} aria-label="Steps">
+      {mission.steps.map((step, index) => (
+        // biome-ignore lint/suspicious/noArrayIndexKey: a step is known by its place alone
+        <Step key={index} step={step} number={index + 1} present={index === present} robot={mission.robot} />
+      ))}
+    </ol>
+  );
+}
+
+interface StepProps {
+  step: MissionStep;
+  number: number;
+  /** Whether the mission is at this step. */
+  present: boolean;
+  robot: string;
+}
+
+function Step({ step, number, present, robot }: StepProps) {
+  const { sign, words } = STEP_STATES[step.status];
+  const options = optionWords(step);
+  return (
+    <li
+      className={classes.step}
+      data-state={present ? "present" : step.status}
+      aria-current={present ? "step" : undefined}
+    >
+      <span className={classes.sign} aria-hidden="true">
+        {sign || number}
+      </span>
+      <div className={classes.words}>
+        <Text size="sm" fw={present ? 600 : 400}>
+          {stepWords(step)}
+          <VisuallyHidden>: {words}</VisuallyHidden>
+          {options !== "" && (
+            <Text span size="sm" c="dimmed" fw={400}>
+              {" "}
+              ({options})
+            </Text>
+          )}
+        </Text>
+        <StepFacts step={step} robot={robot} />
+        {step.error !== null && (
+          <Text size="sm" c={step.status === "failed" ? "var(--mantine-color-error)" : undefined}>
+            {step.status !== "failed" && "Last try: "}
+            {errorWords(step.error)}
+            <Text span size="sm" c="dimmed">
+              . {sentence(step.error.detail)}
+            </Text>
+          </Text>
+        )}
+      </div>
+    </li>
+  );
+}
+
+/** When it began and ended, which try that was, and its goal. */
+function StepFacts({ step, robot }: { step: MissionStep; robot: string }) {
+  const { attempt, tries, started_at, finished_at, goal_id, status } = step;
+  if (started_at === null && status !== "skipped") return null;
+  const facts = [
+    ...(status === "skipped" ? [<span key="skipped">Skipped</span>] : []),
+    ...(attempt > 1 || (attempt === 1 && tries > 1 && status !== "succeeded")
+      ? [<span key="try">Try {attempt}</span>]
+      : []),
+    ...(started_at === null
+      ? []
+      : [
+          <span key="time">
+            <Time value={started_at} />
+            {finished_at !== null && (
+              <>
+                {" – "}
+                <Time value={finished_at} />
+              </>
+            )}
+          </span>,
+        ]),
+    ...(goal_id === null
+      ? []
+      : [
+          <Anchor key="goal" component={Link} to={goalPath(goal_id, robot)} size="sm" underline="always">
+            Goal {goal_id.slice(0, 8)}
+          </Anchor>,
+        ]),
+  ];
+  return (
+    <Text size="sm" c="dimmed" component="div" className={`tabular ${classes.facts}`}>
+      {facts}
+    </Text>
+  );
+}

@@ -1,0 +1,54 @@
+import { Anchor, Group, Stack, Text } from "@mantine/core";
+import { Link } from "react-router";
+import { Section } from "../../ui/Section";
+import { MissionBadge, missionPath } from "./MissionCard";
+import { useFreshMissions, useOpenMissions } from "./missions";
+import classes from "./missions.module.css";
+import { queuesOf } from "./queue";
+import { holdWords, missionName, stepWords } from "./words";
+
+/** The mission that a robot is on, and how many wait; nothing where there is none. */
+export default function RobotMission({ robot }: { robot: string }) {
+  useFreshMissions();
+  const { data: missions = [] } = useOpenMissions(robot);
+  const [queue] = queuesOf(missions);
+  if (queue === undefined) return null;
+  const { active, next } = queue;
+  const step = active?.steps[active.step];
+  return (
+    <Section
+      title="Mission"
+      aside={
+        <Anchor component={Link} to="/ui/missions" size="sm">
+          All missions
+        </Anchor>
+      }
+    >
+      <Stack gap={4}>
+        {active !== null && (
+          <>
+            <Group gap="xs">
+              <Anchor component={Link} to={missionPath(active)} fw={600} className={classes.name ?? ""}>
+                {missionName(active)}
+              </Anchor>
+              <span role="status">
+                <MissionBadge status={active.status} />
+              </span>
+            </Group>
+            {step !== undefined && (
+              <Text size="sm">
+                Step {active.step + 1} of {active.steps.length}: {stepWords(step)}
+              </Text>
+            )}
+            {active.held_for !== null && <Text size="sm">{holdWords(active)}</Text>}
+          </>
+        )}
+        {next.length > 0 && (
+          <Text size="sm" c="dimmed">
+            {next.length === 1 ? "One mission is next" : `${next.length} missions are next`}
+          </Text>
+        )}
+      </Stack>
+    </Section>
+  );
+}

@@ -1,0 +1,289 @@
+import { type Draft as GoalDraft, newDraft, outgoing } from "../../actions/form/draft";
+import type { MessageShape } from "../../actions/form/shapes";
+import type { FieldError } from "../../actions/form/write";
+import type { Json, JsonObject } from "../../api/jsonSchema";
+import { LIMITS } from "../../api/limits.gen";
+import { clockOf, dayOf, timeAt } from "../../ui/time";
+import type { Mission, MissionStep } from "./requests";
+
+const LIMITS_OF_MISSION = LIMITS["POST /missions"];
+export const { maxLength: MAX_NAME } = LIMITS_OF_MISSION.name;
+export const { minimum: MIN_PRIORITY, maximum: MAX_PRIORITY } = LIMITS_OF_MISSION.priority;
+export const { maxItems: MAX_STEPS } = LIMITS_OF_MISSION.steps;
+export const { minimum: MIN_TIMEOUT_S, maximum: MAX_TIMEOUT_S } = LIMITS_OF_MISSION["steps[].timeout_s"];
+export const { minimum: MIN_TRIES, maximum: MAX_TRIES } = LIMITS_OF_MISSION["steps[].tries"];
+export const { maximum: MAX_WAIT_S } = LIMITS_OF_MISSION["steps[].wait.seconds"];
+const PRIORITY = 50;
+
+export type StepKind = "dock" | "undock" | "action" | "wait";
+export type WaitKind = "seconds" | "until" | "battery" | "person";
+
+/** A goal as it is filled in, with what its form is made of. */
+export interface GoalForm {
+  shape: MessageShape;
+  draft: GoalDraft;
+}
+
+/** A step as it is put together. Fields of other kinds keep what was typed. */
+export interface StepDraft {
+  /** Tells it from others, wherever it is moved. */
+  key: string;
+  kind: StepKind;
+  /** What a request to dock or undock has besides the name of the dock. */
+  request: JsonObject;
+  /** The name of a dock; empty for the default one. */
+  dock: string;
+  /** The name of an action; empty before one is chosen. */
+  action: string;
+  /** The goal, as it is sent until it is filled in here. */
+  message: Json;
+  /** Null until somebody changes the goal. */
+  goal: GoalForm | null;
+  wait: WaitKind;
+  seconds: number | string;
+  day: string;
+  clock: string;
+  /** In percent. */
+  charge: number | string;
+  /** In seconds; empty for no limit. */
+  timeout: number | string;
+  tries: number | string;
+  onFailure: MissionStep["on_failure"];
+  /** What the gateway has refused, by paths from the step on: `wait.seconds`. */
+  refused: readonly FieldError[];
+}
+
+/** A mission as it is put together. */
+export interface Draft {
+  /** Its namespace. */
+  robot: string;
+  name: string;
+  priority: number | string;
+  steps: readonly StepDraft[];
+  /** What the gateway has refused, besides what is in steps. */
+  refused: readonly FieldError[];
+}
+
+let made = 0;
+
+/** A new step. @param now In the gateway's time (ms). */
+export function newStep(kind: StepKind, now: number, change: Partial<StepDraft> = {}): StepDraft {
+  made += 1;
+  const inAnHour = now + 3_600_000;
+  return {
+    key: `step-${made}`,
+    kind,
+    request: {},
+    dock: "",
+    action: "",
+    message: {},
+    goal: null,
+    wait: "seconds",
+    seconds: 60,
+    day: dayOf(inAnHour),
+    clock: clockOf(inAnHour),
+    charge: 80,
+    timeout: "",
+    tries: 1,
+    onFailure: "end",
+    refused: [],
+    ...change,
+  };
+}
+
+export function newMission(robot: string): Draft {
+  return { robot, name: "", priority: PRIORITY, steps: [], refused: [] };
+}
+
+/** A mission to start from: charge the robot, and drive off the dock. */
+export function exampleMission(robot: string, now: number): Draft {
+  const steps = [
+    newStep("dock", now, { tries: 3 }),
+    newStep("wait", now, { wait: "battery", charge: 80 }),
+    newStep("undock", now),
+  ];
+  return { ...newMission(robot), name: "Charge", steps };
+}
+
+/** What starts a mission once more. */
+export function draftOf(mission: Mission, now: number): Draft {
+  const { robot, name, priority } = mission;
+  return {
+    robot,
+    name: name ?? "",
+    priority,
+    steps: mission.steps.map((step) => stepOf(step, now)),
+    refused: [],
+  };
+}
+
+function stepOf(step: MissionStep, now: number): StepDraft {
+  const options: Partial<StepDraft> = {
+    timeout: step.timeout_s ?? "",
+    tries: step.tries,
+    onFailure: step.on_failure,
+  };
+  if (step.dock !== null) {
+    const { dock_id, ...request } = step.dock;
+    const dock = typeof dock_id === "string" ? dock_id : "";
+    return newStep("dock", now, { ...options, dock, request: request as JsonObject });
+  }
+  if (step.undock !== null) return newStep("undock", now, { ...options, request: step.undock as JsonObject });
+  if (step.action !== null) {
+    const { name, goal } = step.action;
+    return newStep("action", now, { ...options, action: name, message: (goal ?? {}) as Json });
+  }
+  return newStep("wait", now, { ...options, ...waitOf(step.wait) });
+}
+
+function waitOf(wait: MissionStep["wait"]): Partial<StepDraft> {
+  if (wait?.seconds != null) return { wait: "seconds", seconds: wait.seconds };
+  if (wait?.battery != null) return { wait: "battery", charge: Math.round(wait.battery * 1000) / 10 };
+  if (wait?.until == null) return { wait: "person" };
+  const until = Date.parse(wait.until);
+  return { wait: "until", day: dayOf(until), clock: clockOf(until) };
+}
+
+/** Something that is wrong with a field. */
+export interface Wrong extends FieldError {
+  /** Nothing was entered yet: it is said only after somebody has tried to start the mission. */
+  missing?: true;
+}
+
+/** What is wrong with a mission itself, by the field. */
+export function missionErrors({ priority, steps }: Draft): Wrong[] {
+  const errors: Wrong[] = [];
+  if (!isWithin(priority, MIN_PRIORITY, MAX_PRIORITY) || !Number.isInteger(priority))
+    errors.push({ path: "priority", detail: `A whole number from ${MIN_PRIORITY} to ${MAX_PRIORITY}` });
+  if (steps.length === 0) errors.push({ path: "steps", detail: "Add a step.", missing: true });
+  if (steps.length > MAX_STEPS) errors.push({ path: "steps", detail: `At most ${MAX_STEPS} steps` });
+  return errors;
+}
+
+/** What is wrong with a step, by paths from the step on. @param now In the gateway's time (ms). */
+export function stepErrors(step: StepDraft, now: number): Wrong[] {
+  const errors: Wrong[] = [...ownErrors(step, now)];
+  if (step.timeout !== "" && !isWithin(step.timeout, MIN_TIMEOUT_S, MAX_TIMEOUT_S))
+    errors.push({ path: "timeout_s", detail: "From 1 s to a week; empty for no limit" });
+  if (!isWithin(step.tries, MIN_TRIES, MAX_TRIES) || !Number.isInteger(step.tries))
+    errors.push({ path: "tries", detail: `From ${MIN_TRIES} to ${MAX_TRIES}` });
+  return errors;
+}
+
+function ownErrors(step: StepDraft, now: number): Wrong[] {
+  if (step.kind === "wait") return waitErrors(step, now);
+  if (step.kind !== "action") return [];
+  if (step.action === "") return [{ path: "action.name", detail: "Choose an action.", missing: true }];
+  if (step.goal === null) return [];
+  return outgoing(step.goal.draft, step.goal.shape).errors.map(({ path, detail }) => ({
+    path: path === "" ? GOAL : `${GOAL}.${path}`,
+    detail,
+  }));
+}
+
+const GOAL = "action.goal";
+
+function waitErrors({ wait, seconds, day, clock, charge }: StepDraft, now: number): Wrong[] {
+  if (wait === "seconds" && !isWithin(seconds, 0, MAX_WAIT_S))
+    return [{ path: "wait.seconds", detail: "From 0 s to a week" }];
+  if (wait === "battery" && !isWithin(charge, 0.1, 100))
+    return [{ path: "wait.battery", detail: "From 0.1 to 100 %" }];
+  if (wait !== "until") return [];
+  const until = timeAt(day, clock);
+  if (until === null) return [{ path: "wait.until", detail: "A day and a time, such as 06:00" }];
+  return until < now ? [{ path: "wait.until", detail: "This time is in the past" }] : [];
+}
+
+function isWithin(value: number | string, lowest: number, highest: number): boolean {
+  return typeof value === "number" && value >= lowest && value <= highest;
+}
+
+/** Whether nothing is wrong that this page can see. @param now In the gateway's time (ms). */
+export function isReady(draft: Draft, now: number): boolean {
+  return missionErrors(draft).length === 0 && draft.steps.every((step) => stepErrors(step, now).length === 0);
+}
+
+/** The goal of a step as a form has it. @param step Of an action. */
+export function goalOf(step: StepDraft, shape: MessageShape): GoalDraft {
+  const draft = step.goal?.draft ?? newDraft(shape, step.message);
+  const refused = step.refused.filter(({ path }) => isAt(path, GOAL));
+  return {
+    ...draft,
+    refused: refused.map(({ path, detail }) => ({ path: path.slice(GOAL.length + 1), detail })),
+  };
+}
+
+/** A step whose goal is this. */
+export function withGoal(step: StepDraft, shape: MessageShape, draft: GoalDraft): StepDraft {
+  const others = step.refused.filter(({ path }) => !isAt(path, GOAL));
+  const refused = draft.refused.map(({ path, detail }) => ({ path: `${GOAL}.${path}`, detail }));
+  return { ...step, goal: { shape, draft }, refused: [...others, ...refused] };
+}
+
+function isAt(path: string, where: string): boolean {
+  return path === where || path.startsWith(`${where}.`);
+}
+
+/** The errors within a field, in one line; undefined for none. */
+export function errorAt(errors: readonly FieldError[], where: string): string | undefined {
+  const found = errors.filter(({ path }) => isAt(path, where));
+  return found.length === 0 ? undefined : found.map(({ detail }) => detail).join("; ");
+}
+
+/** The draft with what the gateway has refused, each at its step. @param fields By paths such as `steps.1.wait.seconds`. */
+export function withRefused(draft: Draft, fields: readonly FieldError[]): Draft {
+  const ofStep = (index: number) =>
+    fields.flatMap(({ path, detail }) => {
+      const start = `steps.${index}`;
+      return isAt(path, start) ? [{ path: path.slice(start.length + 1), detail }] : [];
+    });
+  const steps = draft.steps.map((step, index) => ({ ...step, refused: ofStep(index) }));
+  return { ...draft, steps, refused: fields.filter(({ path }) => !/^steps\.\d/.test(path)) };
+}
+
+/** The steps with one of them moved by a place, or as they are where it cannot be. */
+export function withMoved(steps: readonly StepDraft[], index: number, by: -1 | 1): readonly StepDraft[] {
+  const [moved, other] = [steps[index], steps[index + by]];
+  if (moved === undefined || other === undefined) return steps;
+  return steps.map((step, at) => (at === index ? other : at === index + by ? moved : step));
+}
+
+/** The request that starts a mission: JSON, as goals are written, so that no number in them is rounded. */
+export function bodyOf({ name, priority, steps }: Draft, by: string | null): string {
+  const head = JSON.stringify({ name: name.trim() || null, priority: Number(priority), by });
+  return `${head.slice(0, -1)},"steps":[${steps.map(stepText).join(",")}]}`;
+}
+
+function stepText(step: StepDraft): string {
+  const options = {
+    ...(step.timeout === "" ? {} : { timeout_s: Number(step.timeout) }),
+    tries: Number(step.tries),
+    on_failure: step.onFailure,
+  };
+  return `{"${step.kind}":${whatText(step)},${JSON.stringify(options).slice(1)}`;
+}
+
+function whatText(step: StepDraft): string {
+  if (step.kind === "action") {
+    const goal =
+      step.goal === null ? JSON.stringify(step.message) : outgoing(step.goal.draft, step.goal.shape).body;
+    return `{"name":${JSON.stringify(step.action)},"goal":${goal ?? "{}"}}`;
+  }
+  if (step.kind === "wait") return JSON.stringify(waitBody(step));
+  return JSON.stringify(
+    step.dock === "" || step.kind === "undock" ? step.request : { ...step.request, dock_id: step.dock },
+  );
+}
+
+function waitBody({ wait, seconds, day, clock, charge }: StepDraft) {
+  switch (wait) {
+    case "seconds":
+      return { seconds: Number(seconds) };
+    case "battery":
+      return { battery: Math.round(Number(charge) * 10) / 1000 };
+    case "until":
+      return { until: new Date(timeAt(day, clock) ?? 0).toISOString() };
+    case "person":
+      return { person: true };
+  }
+}

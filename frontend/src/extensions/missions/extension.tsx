@@ -1,0 +1,17 @@
+import type { Extension } from "../../extension/extension";
+import { lazyPart } from "../../ui/lazyPart";
+
+export const extension: Extension = {
+  name: "missions",
+  pages: [
+    {
+      path: "/ui/missions",
+      Page: lazyPart(() => import("./MissionsPage")),
+      menu: { name: "Missions", letter: "i", order: 35 },
+      at: "gateway",
+    },
+    { path: "/ui/missions/new", Page: lazyPart(() => import("./NewMissionPage")), at: "gateway" },
+    { path: "/ui/missions/:missionId", Page: lazyPart(() => import("./MissionPage")), at: "gateway" },
+  ],
+  parts: { robotColumn: lazyPart(() => import("./RobotMission")) },
+};

@@ -1,0 +1,64 @@
+import { type components, deadline, type Http, newKey, settle } from "@dock-gateway/client";
+
+type Schemas = components["schemas"];
+
+/** What a robot does, one step after the other. */
+export type Mission = Schemas["Mission"];
+export type MissionStep = Schemas["MissionStep"];
+export type MissionStatus = Schemas["MissionStatus"];
+export type Reason = Schemas["Reason"];
+type Page = Schemas["MissionList"];
+
+/** What can be done to a mission that has not ended. */
+export type Verb = "pause" | "continue" | "skip" | "cancel";
+
+const OPEN: MissionStatus[] = ["queued", "running", "held", "canceling"];
+const ENDED: MissionStatus[] = ["succeeded", "failed", "canceled"];
+/** As many as have not ended at most. */
+const MOST_OPEN = 500;
+const ENDED_PAGE = 20;
+
+/** Those that have not ended. @param robot Only those of this robot; of all for null. */
+export async function listOpen(http: Http, robot: string | null): Promise<Mission[]> {
+  const query = { status: OPEN, limit: MOST_OPEN, ...(robot !== null && { robot }) };
+  return (await settle(http.GET("/missions", { params: { query }, signal: deadline() }))).missions;
+}
+
+/** A page of the ended ones, newest first. */
+export function listEnded(http: Http, cursor: string | null): Promise<Page> {
+  const query = { status: ENDED, limit: ENDED_PAGE, ...(cursor !== null && { cursor }) };
+  return settle(http.GET("/missions", { params: { query }, signal: deadline() }));
+}
+
+export function getMission(http: Http, id: string): Promise<Mission> {
+  return settle(
+    http.GET("/missions/{mission_id}", { params: { path: { mission_id: id } }, signal: deadline() }),
+  );
+}
+
+/** @param body The mission as JSON, sent as it is: goals may have numbers that are rounded otherwise. */
+export function createMission(http: Http, robot: string, body: string): Promise<Mission> {
+  return settle(
+    http.POST("/missions", {
+      params: { query: { robot } },
+      headers: { "Idempotency-Key": newKey() },
+      body: { steps: [] },
+      bodySerializer: () => body,
+      signal: deadline(),
+    }),
+  );
+}
+
+export function changeMission(http: Http, id: string, verb: Verb): Promise<Mission> {
+  const options = { params: { path: { mission_id: id } }, signal: deadline() };
+  switch (verb) {
+    case "pause":
+      return settle(http.POST("/missions/{mission_id}/pause", options));
+    case "continue":
+      return settle(http.POST("/missions/{mission_id}/continue", options));
+    case "skip":
+      return settle(http.POST("/missions/{mission_id}/skip", options));
+    case "cancel":
+      return settle(http.POST("/missions/{mission_id}/cancel", options));
+  }
+}

@@ -1,0 +1,166 @@
+import { codeWords } from "../../goal/words";
+import { sentence } from "../../ui/text";
+import { formatDuration, formatTime } from "../../ui/time";
+import type { Mission, MissionStatus, MissionStep, Reason } from "./requests";
+
+interface Look {
+  words: string;
+  color: string;
+}
+
+export const STATUSES: Record<MissionStatus, Look> = {
+  queued: { words: "Queued", color: "gray" },
+  running: { words: "Running", color: "blue" },
+  held: { words: "Held", color: "orange" },
+  canceling: { words: "Canceling", color: "orange" },
+  succeeded: { words: "Succeeded", color: "green" },
+  failed: { words: "Failed", color: "red" },
+  canceled: { words: "Canceled", color: "gray" },
+};
+
+/** A sign that is read besides the color of a step, and the word for it. */
+export const STEP_STATES: Record<MissionStep["status"], { sign: string; words: string }> = {
+  waiting: { sign: "", words: "Not yet" },
+  running: { sign: "", words: "Now" },
+  succeeded: { sign: "✓", words: "Done" },
+  failed: { sign: "✕", words: "Failed" },
+  skipped: { sign: "–", words: "Skipped" },
+  canceled: { sign: "–", words: "Canceled" },
+};
+
+const ERRORS: Record<string, string> = {
+  step_timeout: "Took longer than its timeout",
+  not_sent: "The goal could not be sent within 23 hours",
+  goal_not_found: "The history no longer has its goal",
+  goal_canceled: "The goal was canceled",
+  invalid_field: "The action does not accept this goal",
+};
+
+/** What a step or a mission ended with, in a few words. */
+export function errorWords({ code }: Reason): string {
+  return ERRORS[code] ?? codeWords(code);
+}
+
+type StepFields = Pick<MissionStep, "dock" | "undock" | "action" | "wait">;
+
+/** `Dock at lab`, `Undock`, `Fibonacci`, `Wait 1 min 00 s` */
+export function stepWords({ dock, undock, action, wait }: StepFields): string {
+  if (dock !== null) {
+    const { dock_id } = dock;
+    return typeof dock_id === "string" && dock_id !== "" ? `Dock at ${dock_id}` : "Dock";
+  }
+  if (undock !== null) return "Undock";
+  if (action !== null) return actionWords(action.name);
+  return wait === null ? "" : waitWords(wait);
+}
+
+/** `Navigate to pose` */
+export function actionWords(name: string): string {
+  return sentence(name.slice(name.lastIndexOf("/") + 1).replaceAll("_", " "));
+}
+
+function waitWords({ seconds, until, battery }: NonNullable<MissionStep["wait"]>): string {
+  if (seconds !== null) return `Wait ${secondsWords(seconds)}`;
+  if (until !== null) return `Wait until ${formatTime(Date.parse(until))}`;
+  if (battery !== null) return `Wait until the battery has ${percentWords(battery)}`;
+  return "Wait until someone continues";
+}
+
+/** `2 s`, `1 min 30 s` */
+export function secondsWords(seconds: number): string {
+  return seconds < 10 ? `${seconds} s` : formatDuration(seconds * 1000);
+}
+
+export function percentWords(charge: number): string {
+  return `${Math.round(charge * 100)} %`;
+}
+
+/** Its name, else its steps: `Dock, Wait 2 s, Undock`. */
+export function missionName({ name, steps }: Pick<Mission, "name" | "steps">): string {
+  if (name !== null && name.trim() !== "") return name;
+  const first = steps.slice(0, 3).map(stepWords).join(", ");
+  return steps.length > 3 ? `${first}, …` : first;
+}
+
+/** What a held mission needs, and what Continue does then. */
+const HOLDS: Record<NonNullable<Mission["held_for"]>, string> = {
+  stop: "The robot was stopped. The mission does not go on by itself. Continue begins this step again.",
+  canceled: "The goal of this step was canceled. Continue begins the step again.",
+  person: "This step waits for a person. Check the robot, then press Continue.",
+  paused: "Paused. Continue goes on with this step.",
+};
+
+export function holdWords({ held_for, started_at }: Pick<Mission, "held_for" | "started_at">): string {
+  if (held_for === null) return "";
+  return started_at === null ? "Paused. It does not begin until someone continues it." : HOLDS[held_for];
+}
+
+const WAITS: Record<NonNullable<Mission["waits_for"]>, string> = {
+  turn: "Waiting for its turn",
+  continue: "Waiting for Continue",
+  stop_released: "Waiting for the stop to be released",
+  other_goal: "Another goal is running on this robot. The step begins when it has ended.",
+  retry: "Waiting for the next try",
+  time: "Waiting",
+  battery: "Waiting for the battery",
+  goal: "The goal is running",
+  server: "No action server for this step. It begins as soon as there is one.",
+  lost_goal: "Lost contact with the action server. Waiting for it to come back.",
+  history: "The history does not answer. Nothing begins without it.",
+};
+
+/**
+ * What a mission that is on its way waits for.
+ *
+ * @param charge Of the robot's battery, 0 to 1; null where it is unknown.
+ * @param now In the gateway's time (ms).
+ */
+export function nowWords(mission: Mission, charge: number | null, now: number): string {
+  if (mission.status === "canceling") return "Its goal is being canceled.";
+  const step = mission.steps[mission.step];
+  if (mission.waits_for === null || step === undefined) return "";
+  if (mission.waits_for === "battery" && step.wait?.battery != null) {
+    const goal = `goes on at ${percentWords(step.wait.battery)}`;
+    return charge === null
+      ? `The battery's charge is unknown; ${goal}`
+      : `Battery at ${percentWords(charge)}; ${goal}`;
+  }
+  if (mission.waits_for === "time") {
+    const end = endOf(step);
+    if (end !== null)
+      return end > now ? `Goes on in ${secondsWords(Math.ceil((end - now) / 1000))}` : "Going on";
+  }
+  if (mission.waits_for === "retry") return `Try ${step.attempt + 1} of ${step.tries} begins within seconds`;
+  return WAITS[mission.waits_for];
+}
+
+/** When a step that waits for a time ends (ms); null for other steps. */
+function endOf({ wait, started_at }: MissionStep): number | null {
+  if (wait?.until != null) return Date.parse(wait.until);
+  if (wait?.seconds == null || started_at === null) return null;
+  return Date.parse(started_at) + wait.seconds * 1000;
+}
+
+/** How its options differ from the default ones: `3 tries, 60 s each, then the next step`; empty where they do not. */
+export function optionWords({
+  tries,
+  timeout_s,
+  on_failure,
+}: Pick<MissionStep, "tries" | "timeout_s" | "on_failure">): string {
+  const words = [
+    ...(tries > 1 ? [`up to ${tries} tries`] : []),
+    ...(timeout_s === null ? [] : [`at most ${secondsWords(timeout_s)}`]),
+    ...(on_failure === "next" ? ["goes on if it fails"] : []),
+  ];
+  return words.join(", ");
+}
+
+/** How long it took, or has been on its way; empty before it began. @param now In the gateway's time (ms). */
+export function tookWords(
+  { started_at, finished_at }: Pick<Mission, "started_at" | "finished_at">,
+  now: number,
+): string {
+  if (started_at === null) return "";
+  const ms = (finished_at === null ? now : Date.parse(finished_at)) - Date.parse(started_at);
+  return secondsWords(Math.max(0, Math.round(ms / 1000)));
+}
