@@ -12,7 +12,7 @@ import { useMissionCommand } from "./missions";
 import classes from "./missions.module.css";
 import { hasEnded } from "./queue";
 import type { Mission, MissionStatus, Verb } from "./requests";
-import { errorWords, holdWords, missionName, nowWords, STATUSES, stepWords, tookWords } from "./words";
+import { errorWords, holdOf, missionName, nowWords, STATUSES, stepWords, tookWords } from "./words";
 
 export function missionPath({ mission_id }: Pick<Mission, "mission_id">): string {
   return `/ui/missions/${mission_id}`;
@@ -97,7 +97,9 @@ type Command = ReturnType<typeof useMissionCommand>;
 
 /** What it waits for, why it is held, or why it has failed. */
 function Situation({ mission, command }: { mission: Mission; command: Command }) {
-  const { status, held_for, error, pausing } = mission;
+  const { status, error, pausing } = mission;
+  const hold = holdOf(mission);
+  const stopped = useStopped(mission);
   if (status === "failed" && error !== null)
     return (
       <Text size="sm" c="var(--mantine-color-error)">
@@ -105,11 +107,14 @@ function Situation({ mission, command }: { mission: Mission; command: Command })
       </Text>
     );
   if (hasEnded(mission)) return null;
-  if (held_for !== null)
+  if (hold !== null)
     return (
-      <Alert color="orange" title={mission.started_at === null ? "Paused" : "Held"} role="status">
+      <Alert color="orange" title={hold.title} role="status">
         <Stack gap="xs">
-          <Text size="sm">{holdWords(mission)}</Text>
+          <Text size="sm">
+            {stopped && "Release the stop first. "}
+            {hold.words}
+          </Text>
           <Commands mission={mission} command={command} />
         </Stack>
       </Alert>
@@ -161,6 +166,11 @@ function Now({ mission }: { mission: Mission }) {
   );
 }
 
+/** Whether a stop holds for its robot. */
+function useStopped({ robot }: Mission): boolean {
+  return useFleetPart("robots", (robots) => robots.get(robot)?.stop.latched === true);
+}
+
 interface CommandsProps {
   mission: Mission;
   command: Command;
@@ -170,7 +180,7 @@ interface CommandsProps {
 export function Commands({ mission, command }: CommandsProps) {
   const forbidden = useForbidden("POST /missions/{mission_id}/cancel");
   const live = useFleetLive();
-  const stopped = useFleetPart("robots", (robots) => robots.get(mission.robot)?.stop.latched === true);
+  const stopped = useStopped(mission);
   if (forbidden !== null || hasEnded(mission)) return null;
   const { status, held_for, started_at, pausing } = mission;
   const name = missionName(mission);

@@ -45,8 +45,8 @@ function Details({ mission }: { mission: Mission }) {
       aside={
         <Group gap="sm">
           {mission.priority !== 50 && <Text size="sm">Priority {mission.priority}</Text>}
-          <Anchor component={Link} to={robotPath(mission.robot)} size="sm" aria-label={`Page of ${name}`}>
-            Go to the robot
+          <Anchor component={Link} to={robotPath(mission.robot)} size="sm">
+            Go to {name}
           </Anchor>
         </Group>
       }

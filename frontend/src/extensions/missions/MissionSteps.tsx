@@ -2,11 +2,10 @@ import { Anchor, Text, VisuallyHidden } from "@mantine/core";
 import { Link } from "react-router";
 import { goalPath } from "../../fleet/names";
 import { Time } from "../../ui/Time";
-import { sentence } from "../../ui/text";
 import classes from "./missions.module.css";
 import { hasEnded } from "./queue";
 import type { Mission, MissionStep } from "./requests";
-import { errorWords, optionWords, STEP_STATES, stepWords } from "./words";
+import { errorDetail, errorWords, optionWords, STEP_STATES, stepWords } from "./words";
 
 /** The steps of a mission with their states, tries, goals and errors. */
 export function MissionSteps({ mission }: { mission: Mission }) {
@@ -32,6 +31,7 @@ interface StepProps {
 function Step({ step, number, present, robot }: StepProps) {
   const { sign, words } = STEP_STATES[step.status];
   const options = optionWords(step);
+  const detail = step.error === null ? null : errorDetail(step.error);
   return (
     <li
       className={classes.step}
@@ -57,9 +57,11 @@ function Step({ step, number, present, robot }: StepProps) {
           <Text size="sm" c={step.status === "failed" ? "var(--mantine-color-error)" : undefined}>
             {step.status !== "failed" && "Last try: "}
             {errorWords(step.error)}
-            <Text span size="sm" c="dimmed">
-              . {sentence(step.error.detail)}
-            </Text>
+            {detail !== null && (
+              <Text span size="sm" c="dimmed">
+                . {detail}
+              </Text>
+            )}
           </Text>
         )}
       </div>
@@ -80,6 +82,7 @@ function StepFacts({ step, robot }: { step: MissionStep; robot: string }) {
       ? []
       : [
           <span key="time">
+            {status === "running" && "Since "}
             <Time value={started_at} />
             {finished_at !== null && (
               <>

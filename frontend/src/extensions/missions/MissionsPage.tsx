@@ -1,4 +1,4 @@
-import { Anchor, Button, Group, Skeleton, Stack, Table, Text, VisuallyHidden } from "@mantine/core";
+import { Anchor, Badge, Button, Group, Skeleton, Stack, Table, Text, VisuallyHidden } from "@mantine/core";
 import { Link, useNavigate } from "react-router";
 import { useForbidden } from "../../api/session";
 import { useFleetLive, useFleetPart, useFleetTopic, useNaming, useWhyNot } from "../../fleet/context";
@@ -15,7 +15,7 @@ import { useEndedMissions, useFreshMissions, useMissionCommand, useOpenMissions 
 import classes from "./missions.module.css";
 import { type Queue, queuesOf } from "./queue";
 import type { Mission } from "./requests";
-import { errorWords, holdWords, missionName, stepWords, tookWords } from "./words";
+import { errorWords, holdOf, missionName, stepWords, tookWords } from "./words";
 
 /** What each robot does and will do, and the missions that have ended. */
 export default function MissionsPage() {
@@ -142,8 +142,8 @@ function RobotQueue({ queue: { robot, active, next } }: { queue: Queue }) {
     <Section
       title={name}
       aside={
-        <Anchor component={Link} to={robotPath(robot)} size="sm" aria-label={`Page of ${name}`}>
-          Go to the robot
+        <Anchor component={Link} to={robotPath(robot)} size="sm">
+          Go to {name}
         </Anchor>
       }
     >
@@ -167,6 +167,7 @@ function RobotQueue({ queue: { robot, active, next } }: { queue: Queue }) {
 /** A mission that waits for its turn. */
 function Queued({ mission, place }: { mission: Mission; place: number }) {
   const command = useMissionCommand();
+  const hold = holdOf(mission);
   const steps = mission.steps.length === 1 ? "One step" : `${mission.steps.length} steps`;
   return (
     <li className={classes.queued}>
@@ -178,7 +179,11 @@ function Queued({ mission, place }: { mission: Mission; place: number }) {
           <Anchor component={Link} to={missionPath(mission)} size="sm" fw={600}>
             {missionName(mission)}
           </Anchor>
-          {mission.held_for !== null && <MissionBadge status="held" />}
+          {hold !== null && (
+            <Badge variant="outline" color="orange" className={classes.badge ?? ""}>
+              {hold.title}
+            </Badge>
+          )}
         </Group>
         <Text size="sm" c="dimmed" component="div" className={classes.facts}>
           <span>{steps}</span>
@@ -188,7 +193,7 @@ function Queued({ mission, place }: { mission: Mission; place: number }) {
             {mission.created_by !== null && ` by ${mission.created_by}`}
           </span>
         </Text>
-        {mission.held_for !== null && <Text size="sm">{holdWords(mission)}</Text>}
+        {hold !== null && <Text size="sm">{hold.words}</Text>}
         <CommandErrorAlert command="The command" error={command.error} onClose={command.reset} />
       </div>
       <Commands mission={mission} command={command} />
@@ -207,7 +212,7 @@ function EndedTable({ missions }: { missions: readonly Mission[] }) {
           <Table.Th>Result</Table.Th>
           <Table.Th visibleFrom="sm">Ended</Table.Th>
           <Table.Th visibleFrom="sm">Took</Table.Th>
-          <Table.Th>
+          <Table.Th visibleFrom="sm">
             <VisuallyHidden>Run again</VisuallyHidden>
           </Table.Th>
         </Table.Tr>
@@ -264,12 +269,12 @@ function EndedRow({ mission, several }: { mission: Mission; several: boolean }) 
       <Table.Td visibleFrom="sm" className={`tabular ${classes.time}`}>
         {tookWords(mission, 0)}
       </Table.Td>
-      <Table.Td className={classes.again}>
+      <Table.Td visibleFrom="sm" className={classes.again ?? ""}>
         {forbidden === null && (
           <ReasonButton
             {...ENTRY_BUTTON}
             reason={reason}
-            aria-label={`Run ${own} again`}
+            aria-label={`Run again: ${own}`}
             onClick={() => navigate(againPath(mission))}
           >
             Run again

@@ -1,3 +1,4 @@
+import type { Robot } from "@dock-gateway/client";
 import {
   Anchor,
   Button,
@@ -64,7 +65,7 @@ export default function NewMissionPage() {
   const known = useFleetPart("robots", (robots) => robots.size > 0);
   const live = useFleetLive();
   const [draft, setDraft] = useState<Draft | null>(null);
-  const robot = useFleetPart("robots", (robots) => query.get("robot") ?? defaultRobot(robots));
+  const robot = useFleetPart("robots", (robots) => query.get("robot") ?? firstRobot(robots));
   if (draft === null && (known || live)) {
     const now = store.gatewayNow();
     if (from === null) setDraft(query.has("example") ? exampleMission(robot, now) : newMission(robot));
@@ -86,6 +87,13 @@ export default function NewMissionPage() {
       )}
     </Stack>
   );
+}
+
+/** The configured robot if it is there, else another one that is. */
+function firstRobot(robots: ReadonlyMap<string, Robot>): string {
+  const configured = defaultRobot(robots);
+  const there = [...robots.values()].flatMap((each) => (isThere(each) ? [each.name] : [])).sort(byName);
+  return there.includes(configured) ? configured : (there[0] ?? configured);
 }
 
 interface MissionFormProps {
@@ -241,7 +249,9 @@ function MissionForm({ draft, onChange }: MissionFormProps) {
         </Section>
         <Section title="Start">
           <Begins robot={draft.robot} />
-          <NameInput value={by} description="Shown with the mission." onChange={setBy} />
+          <div className={classes.fields}>
+            <NameInput value={by} description="Shown with the mission." onChange={setBy} />
+          </div>
           {others.map(({ path, detail }) => (
             <Text key={path} size="sm" c="var(--mantine-color-error)">
               {path}: {detail}

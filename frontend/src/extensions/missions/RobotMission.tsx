@@ -5,7 +5,7 @@ import { MissionBadge, missionPath } from "./MissionCard";
 import { useFreshMissions, useOpenMissions } from "./missions";
 import classes from "./missions.module.css";
 import { queuesOf } from "./queue";
-import { holdWords, missionName, stepWords } from "./words";
+import { holdOf, missionName, stepWords } from "./words";
 
 /** The mission that a robot is on, and how many wait; nothing where there is none. */
 export default function RobotMission({ robot }: { robot: string }) {
@@ -15,6 +15,7 @@ export default function RobotMission({ robot }: { robot: string }) {
   if (queue === undefined) return null;
   const { active, next } = queue;
   const step = active?.steps[active.step];
+  const hold = active === null ? null : holdOf(active);
   return (
     <Section
       title="Mission"
@@ -40,7 +41,11 @@ export default function RobotMission({ robot }: { robot: string }) {
                 Step {active.step + 1} of {active.steps.length}: {stepWords(step)}
               </Text>
             )}
-            {active.held_for !== null && <Text size="sm">{holdWords(active)}</Text>}
+            {hold !== null && (
+              <Text size="sm">
+                {hold.title}. {hold.words}
+              </Text>
+            )}
           </>
         )}
         {next.length > 0 && (

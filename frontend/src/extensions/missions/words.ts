@@ -36,6 +36,11 @@ const ERRORS: Record<string, string> = {
   invalid_field: "The action does not accept this goal",
 };
 
+/** What the gateway says of an error besides the words for it; null where that is the same. */
+export function errorDetail({ code, detail }: Reason): string | null {
+  return code in ERRORS && code !== "invalid_field" ? null : sentence(detail);
+}
+
 /** What a step or a mission ended with, in a few words. */
 export function errorWords({ code }: Reason): string {
   return ERRORS[code] ?? codeWords(code);
@@ -82,17 +87,27 @@ export function missionName({ name, steps }: Pick<Mission, "name" | "steps">): s
   return steps.length > 3 ? `${first}, …` : first;
 }
 
-/** What a held mission needs, and what Continue does then. */
-const HOLDS: Record<NonNullable<Mission["held_for"]>, string> = {
-  stop: "The robot was stopped. The mission does not go on by itself. Continue begins this step again.",
-  canceled: "The goal of this step was canceled. Continue begins the step again.",
-  person: "This step waits for a person. Check the robot, then press Continue.",
-  paused: "Paused. Continue goes on with this step.",
-};
+interface Hold {
+  title: string;
+  words: string;
+}
 
-export function holdWords({ held_for, started_at }: Pick<Mission, "held_for" | "started_at">): string {
-  if (held_for === null) return "";
-  return started_at === null ? "Paused. It does not begin until someone continues it." : HOLDS[held_for];
+/** Why a mission is held, and what Continue does then. */
+const HOLDS: Record<NonNullable<Mission["held_for"]>, Hold> = {
+  stop: {
+    title: "The robot was stopped",
+    words: "The mission does not go on by itself. Continue begins this step again.",
+  },
+  canceled: { title: "The goal of this step was canceled", words: "Continue begins the step again." },
+  person: { title: "Waiting for a person", words: "Check the robot, then press Continue." },
+  paused: { title: "Paused", words: "Continue goes on with this step." },
+};
+const NOT_BEGUN: Hold = { title: "Paused", words: "It does not begin until someone continues it." };
+
+/** Why a mission is held; null where it is not. */
+export function holdOf({ held_for, started_at }: Pick<Mission, "held_for" | "started_at">): Hold | null {
+  if (held_for === null) return null;
+  return started_at === null ? NOT_BEGUN : HOLDS[held_for];
 }
 
 const WAITS: Record<NonNullable<Mission["waits_for"]>, string> = {

@@ -1,0 +1,289 @@
+import { act, screen, waitFor, within } from "@testing-library/react";
+import { describe, expect, it, vi } from "vitest";
+import { shapeOf } from "../../../src/actions/form/shapes";
+import { session } from "../../../src/api/session";
+// Loaded on demand by the page: on a busy machine their first import takes longer than a test waits.
+import "../../../src/extensions/missions/MissionPage";
+import "../../../src/extensions/missions/MissionsPage";
+import "../../../src/extensions/missions/NewMissionPage";
+import "../../../src/extensions/missions/RobotMission";
+import type { StreamHandlers } from "@dock-gateway/client";
+import { withField } from "../../../src/actions/form/draft";
+import {
+  bodyOf,
+  draftOf,
+  errorAt,
+  exampleMission,
+  goalOf,
+  isReady,
+  missionErrors,
+  newMission,
+  newStep,
+  stepErrors,
+  withGoal,
+  withMoved,
+  withRefused,
+} from "../../../src/extensions/missions/draft";
+import { queuesOf, withMission } from "../../../src/extensions/missions/queue";
+import type { Mission, MissionStep } from "../../../src/extensions/missions/requests";
+import { errorWords, holdOf, missionName, nowWords, stepWords } from "../../../src/extensions/missions/words";
+import { robot } from "../../events";
+import { fakeGateway, renderPage } from "../../page";
+
+let handlers: StreamHandlers[] = [];
+vi.mock("../../../src/stream/stream", async (original) => ({
+  ...(await original<object>()),
+  openStream: (_: string, opened: StreamHandlers) => {
+    handlers.push(opened);
+    return () => {
+      handlers = handlers.filter((each) => each !== opened);
+    };
+  },
+}));
+
+const NOW = Date.parse("2026-11-30T03:00:00Z");
+const DOCK: MissionStep = {
+  dock: {},
+  undock: null,
+  action: null,
+  wait: null,
+  timeout_s: null,
+  tries: 1,
+  on_failure: "end",
+  status: "waiting",
+  attempt: 0,
+  goal_id: null,
+  started_at: null,
+  finished_at: null,
+  error: null,
+};
+const WAIT = { seconds: null, until: null, battery: null, person: false };
+const CHARGE: MissionStep = { ...DOCK, dock: null, wait: { ...WAIT, battery: 0.8 } };
+const COUNT: MissionStep = { ...DOCK, dock: null, action: { name: "/fibonacci", goal: { order: 5 } } };
+const NIGHT: Mission = {
+  mission_id: "a",
+  robot: "/robot1",
+  name: "Night",
+  priority: 50,
+  status: "running",
+  held_for: null,
+  pausing: false,
+  step: 0,
+  error: null,
+  created_by: "Ada",
+  created_at: "2026-11-30T02:00:00Z",
+  started_at: "2026-11-30T02:00:01Z",
+  finished_at: null,
+  waits_for: "goal",
+  steps: [
+    { ...DOCK, status: "running", attempt: 1, goal_id: "3f0c", started_at: "2026-11-30T02:00:02Z" },
+    CHARGE,
+    COUNT,
+  ],
+};
+const QUEUED: Mission = {
+  ...NIGHT,
+  mission_id: "b",
+  name: null,
+  status: "queued",
+  started_at: null,
+  waits_for: "turn",
+  steps: [DOCK],
+};
+const HELD: Mission = { ...NIGHT, status: "held", held_for: "stop", waits_for: "continue" };
+const FAILED: Mission = {
+  ...NIGHT,
+  mission_id: "c",
+  name: "Round",
+  status: "failed",
+  error: { code: "step_timeout", detail: "the step took longer than its timeout_s" },
+  finished_at: "2026-11-30T02:10:01Z",
+  waits_for: null,
+};
+
+/** A gateway with these missions; it remembers what it is asked to do. */
+function answering(missions: Mission[], refuse?: { path: string; detail: string }) {
+  const asked: { path: string; body: string }[] = [];
+  vi.stubGlobal("fetch", async (request: Request) => {
+    const { pathname, searchParams } = new URL(request.url);
+    if (request.method === "POST") {
+      asked.push({ path: pathname + new URL(request.url).search, body: await request.text() });
+      if (refuse === undefined) return Response.json(missions[0] ?? QUEUED, { status: 201 });
+      const problem = { status: 422, code: "invalid_field", title: "Invalid field", detail: refuse.detail };
+      return Response.json({ ...problem, errors: [{ in: "body", ...refuse }] }, { status: 422 });
+    }
+    const wanted = searchParams.getAll("status");
+    const found = missions.filter(({ status }) => wanted.includes(status));
+    if (pathname === "/missions") return Response.json({ missions: found, next_cursor: null });
+    const one = missions.find(({ mission_id }) => pathname === `/missions/${mission_id}`);
+    return one === undefined ? Response.json({}, { status: 404 }) : Response.json(one);
+  });
+  return asked;
+}
+
+const ROBOTS = { robots: [robot("/robot1"), robot("/robot2")] };
+const open = (path = "/ui/missions") => renderPage(fakeGateway(), ROBOTS, path);
+const spaces = (text: string) => text.replaceAll("\u00a0", " ");
+
+describe("the words", () => {
+  it("name steps and missions", () => {
+    expect([DOCK, COUNT].map(stepWords)).toEqual(["Dock", "Fibonacci"]);
+    expect(stepWords({ ...DOCK, dock: { dock_id: "lab" } })).toBe("Dock at lab");
+    expect(spaces(stepWords(CHARGE))).toBe("Wait until the battery has 80 %");
+    expect(stepWords({ ...CHARGE, wait: { ...WAIT, seconds: 90 } })).toBe("Wait 1 min 30 s");
+    expect(stepWords({ ...CHARGE, wait: { ...WAIT, person: true } })).toBe("Wait until someone continues");
+    expect(missionName(NIGHT)).toBe("Night");
+    expect(missionName({ name: null, steps: [DOCK, COUNT, DOCK, DOCK] })).toBe("Dock, Fibonacci, Dock, …");
+  });
+
+  it("say what a mission waits for", () => {
+    expect(nowWords(NIGHT, null, NOW)).toBe("The goal is running");
+    const charging: Mission = { ...NIGHT, step: 1, waits_for: "battery" };
+    expect(spaces(nowWords(charging, 0.43, NOW))).toBe("Battery at 43 %; goes on at 80 %");
+    expect(spaces(nowWords(charging, null, NOW))).toContain("unknown; goes on at 80 %");
+    const started_at = new Date(NOW - 18_000).toISOString();
+    const waiting = { ...CHARGE, wait: { ...WAIT, seconds: 30 }, started_at };
+    expect(nowWords({ ...NIGHT, waits_for: "time", steps: [waiting] }, null, NOW)).toBe("Goes on in 12 s");
+    expect(nowWords({ ...NIGHT, waits_for: null }, null, NOW)).toBe("");
+    expect(nowWords({ ...NIGHT, status: "canceling" }, null, NOW)).toContain("being canceled");
+    expect(holdOf(HELD)?.words).toContain("does not go on by itself");
+    expect(holdOf({ held_for: "paused", started_at: null })?.words).toContain("does not begin");
+    expect(errorWords({ code: "step_timeout", detail: "" })).toBe("Took longer than its timeout");
+    expect(errorWords({ code: "obstructed", detail: "" })).toBe("Obstacle in the way");
+  });
+});
+
+describe("the queue", () => {
+  it("has the active mission first, then by priority and age", () => {
+    const later = { ...QUEUED, mission_id: "d", created_at: "2026-11-30T02:30:00Z" };
+    const urgent = { ...later, mission_id: "e", priority: 70 };
+    const other = { ...QUEUED, mission_id: "f", robot: "/robot2" };
+    const [one, two] = queuesOf([later, other, QUEUED, NIGHT, urgent, FAILED]);
+    expect(one?.active).toBe(NIGHT);
+    expect(one?.next.map(({ mission_id }) => mission_id)).toEqual(["e", "b", "d"]);
+    expect(two).toMatchObject({ robot: "/robot2", active: null, next: [other] });
+  });
+
+  it("loses those that end", () => {
+    expect(withMission([NIGHT, QUEUED], HELD)).toEqual([QUEUED, HELD]);
+    expect(withMission([NIGHT], { ...NIGHT, status: "succeeded" })).toEqual([]);
+  });
+});
+
+describe("a draft", () => {
+  const shape = shapeOf({
+    properties: { order: { type: "integer", minimum: 0, maximum: 46, default: 0 } },
+  });
+
+  it("is the request that it was read from", () => {
+    const steps = [{ ...DOCK, dock: { dock_id: "lab" }, tries: 3 }, CHARGE, COUNT];
+    const draft = draftOf({ ...NIGHT, steps }, NOW);
+    expect(isReady(draft, NOW)).toBe(true);
+    expect(JSON.parse(bodyOf(draft, "Bob"))).toEqual({
+      name: "Night",
+      priority: 50,
+      by: "Bob",
+      steps: [
+        { dock: { dock_id: "lab" }, tries: 3, on_failure: "end" },
+        { wait: { battery: 0.8 }, tries: 1, on_failure: "end" },
+        { action: { name: "/fibonacci", goal: { order: 5 } }, tries: 1, on_failure: "end" },
+      ],
+    });
+  });
+
+  it("says what is wrong with it", () => {
+    expect(missionErrors({ ...newMission("/"), priority: 101 }).map(({ path }) => path)).toEqual([
+      "priority",
+      "steps",
+    ]);
+    const wrong = (change: object, kind: "wait" | "action" = "wait") =>
+      stepErrors(newStep(kind, NOW, change), NOW).map(({ path }) => path);
+    expect(wrong({})).toEqual([]);
+    expect(wrong({ seconds: "" })).toEqual(["wait.seconds"]);
+    expect(wrong({ wait: "battery", charge: 101 })).toEqual(["wait.battery"]);
+    expect(wrong({ wait: "until", day: "2026-11-29", clock: "06:00" })).toEqual(["wait.until"]);
+    expect(wrong({ wait: "until", clock: "25:00" })).toEqual(["wait.until"]);
+    expect(wrong({ wait: "person", timeout: 0.5, tries: 21 })).toEqual(["timeout_s", "tries"]);
+    expect(wrong({}, "action")).toEqual(["action.name"]);
+    const step = newStep("action", NOW, { action: "/fibonacci" });
+    const filled = withGoal(step, shape, withField(goalOf(step, shape), ["order"], "47"));
+    expect(stepErrors(filled, NOW).map(({ path }) => path)).toEqual(["action.goal.order"]);
+  });
+
+  it("has what was refused at its step, wherever that is moved, until it is changed", () => {
+    const draft = { ...exampleMission("/", NOW), name: "Charge" };
+    const steps = [...draft.steps, newStep("action", NOW, { action: "/fibonacci" })];
+    const refused = withRefused({ ...draft, steps }, [
+      { path: "steps.1.wait.battery", detail: "too high" },
+      { path: "steps.3.action.goal.order", detail: "too large" },
+      { path: "name", detail: "taken" },
+    ]);
+    expect(refused.refused).toEqual([{ path: "name", detail: "taken" }]);
+    const moved = withMoved(refused.steps, 1, -1);
+    expect(errorAt(moved[0]?.refused ?? [], "wait.battery")).toBe("too high");
+    const last = refused.steps[3] ?? newStep("dock", NOW);
+    expect(goalOf(last, shape).refused).toEqual([{ path: "order", detail: "too large" }]);
+    expect(withGoal(last, shape, withField(goalOf(last, shape), ["order"], "3")).refused).toEqual([]);
+    expect(withMoved(moved, 0, -1)).toBe(moved);
+  });
+});
+
+describe("the page", () => {
+  it("shows what runs, what comes next and what has ended, and follows events", async () => {
+    const asked = answering([NIGHT, QUEUED, FAILED]);
+    const { user } = open();
+    const section = await screen.findByRole("region", { name: "/robot1" });
+    expect(within(section).getByText("Step 1 of 3: Dock")).toBeDefined();
+    expect(within(section).getByRole("link", { name: "Goal 3f0c" }).getAttribute("href")).toBe(
+      "/ui/goals/3f0c",
+    );
+    expect(within(screen.getByRole("list", { name: "Next for /robot1" })).getByText("Dock")).toBeDefined();
+    expect(screen.getByText("Not on a mission: /robot2")).toBeDefined();
+    expect(await screen.findByText("Took longer than its timeout")).toBeDefined();
+    const event = { type: "mission", time: NIGHT.created_at, mission: HELD } as const;
+    act(() => handlers.forEach(({ onEvent }) => void onEvent(event)));
+    await user.click(await screen.findByRole("button", { name: "Continue: Night" }));
+    await waitFor(() => expect(asked.map(({ path }) => path)).toEqual(["/missions/a/continue"]));
+  });
+
+  it("teaches where there is nothing, and starts an example by pressing", async () => {
+    const asked = answering([]);
+    const { user } = open();
+    await user.click(await screen.findByRole("button", { name: /Example/ }));
+    await user.click(await screen.findByRole("button", { name: "Move step 3 up" }));
+    const steps = within(screen.getByRole("list", { name: "Steps" })).getAllByRole("listitem");
+    expect(steps.map((step) => step.getAttribute("aria-label"))).toEqual([
+      "Step 1: Dock",
+      "Step 2: Undock",
+      "Step 3: Wait",
+    ]);
+    await user.click(screen.getByRole("button", { name: "Start mission" }));
+    await screen.findByRole("heading", { name: "Missions" });
+    expect(asked[0]?.path).toBe("/missions?robot=%2Frobot1");
+    expect(Object.keys(JSON.parse(asked[0]?.body ?? "").steps[1])[0]).toBe("undock");
+  });
+
+  it("shows what was refused at its field, and says what is missing", async () => {
+    answering([FAILED], { path: "steps.1.wait.battery", detail: "no battery here" });
+    const { user } = open("/ui/missions/new?from=c");
+    await user.click(await screen.findByRole("button", { name: "Start mission" }));
+    const field = await screen.findByRole("textbox", { name: "Until the battery has" });
+    await waitFor(() => expect(field.getAttribute("aria-invalid")).toBe("true"));
+    expect(screen.getByText("no battery here")).toBeDefined();
+    await user.click(screen.getByRole("button", { name: "Add step: Action" }));
+    expect(screen.queryByText("Choose an action.")).toBeDefined();
+  });
+
+  it("shows a viewer no buttons", async () => {
+    answering([HELD, QUEUED, FAILED]);
+    session.set({
+      ...session.state,
+      principal: { name: "Vera", kind: "user", role: "viewer", robots: [], actions: [], topics: [] },
+    });
+    open();
+    await screen.findByText(/does not go on by itself/);
+    await screen.findByRole("link", { name: "Round" });
+    const buttons = within(screen.getByRole("main")).queryAllByRole("button");
+    expect(buttons).toEqual([]);
+  });
+});

@@ -1,0 +1,126 @@
+"""Missions by clicking: one is put together and succeeds; a stop holds one until somebody continues it."""
+
+import re
+from collections.abc import Iterator
+from contextlib import ExitStack
+
+import pytest
+from playwright.sync_api import Page, Request, Route, expect
+
+from tests.browser.axe import find_violations
+from tests.browser.width import expect_no_sideways_scrolling
+from tests.support.docking import FAST
+from tests.support.gateway import RunningGateway, running_gateway, running_program
+from tests.support.waiting import wait_until
+
+# A start that is near the dock.
+NEAR = ("-p", FAST, "-p", "start_x:=-1.1", "-p", "start_y:=0.1", "-p", "start_theta:=-0.1")
+
+
+@pytest.fixture(scope="module")
+def gateway(domain: int) -> Iterator[RunningGateway]:
+    with ExitStack() as stack:
+        stack.enter_context(running_program(domain, "dock_simulator", *NEAR))
+        stack.enter_context(running_program(domain, "docking_server", "-p", "controller:=dock_pose"))
+        gateway = stack.enter_context(running_gateway(domain))
+        gateway.wait_until_ready()
+        wait_until(lambda: gateway.http.get("/simulator").status_code == 200, "the simulator")
+        yield gateway
+
+
+def add(page: Page, step: str) -> None:
+    page.get_by_role("button", name=f"Add step: {step}").click()
+
+
+def expect_fits(page: Page) -> None:
+    assert find_violations(page) == []
+    for width in (390, 820):
+        page.set_viewport_size({"width": width, "height": 900})
+        expect_no_sideways_scrolling(page)
+    page.set_viewport_size({"width": 1440, "height": 1000})
+
+
+def test_a_mission_is_put_together_and_succeeds(page: Page, gateway: RunningGateway) -> None:
+    page.get_by_role("navigation", name="Pages").get_by_role("link", name="Missions").click()
+    expect(page.get_by_text("No missions")).to_be_visible()
+    expect_fits(page)
+    page.get_by_role("button", name="New mission").click()
+    page.get_by_label("Name", exact=True).fill("Round")
+    page.get_by_label("Your name").fill("Ada")
+    for step in ("Wait", "Undock", "Dock"):
+        add(page, step)
+    page.get_by_role("button", name="Move step 3 up").press("Enter")
+    expect(page.get_by_role("button", name="Move step 2 up")).to_be_focused()
+    page.get_by_role("button", name="Move step 2 up").press("Enter")
+    steps = page.get_by_role("list", name="Steps").get_by_role("listitem")
+    expect(steps).to_have_count(3)
+    names = [step.get_attribute("aria-label") for step in steps.all()]
+    assert names == ["Step 1: Dock", "Step 2: Wait", "Step 3: Undock"]
+    seconds = page.get_by_role("textbox", name="Wait for")
+    seconds.fill("700000")
+    expect(page.get_by_text("From 0 s to a week")).to_be_visible()
+    seconds.fill("1")
+    expect_fits(page)
+    page.get_by_role("button", name="Start mission").click()
+
+    mission = page.get_by_role("article", name="Round")
+    expect(mission).to_contain_text(re.compile("Running.*Began .* by Ada.*Step 1 of 3: Dock", re.DOTALL))
+    expect(mission.get_by_role("link", name=re.compile("^Goal "))).to_be_visible()
+    expect_fits(page)
+    page.get_by_role("link", name="Overview").click()
+    expect(page.get_by_role("region", name="Mission", exact=True)).to_contain_text("Round")
+    page.get_by_role("link", name="All missions").click()
+    row = page.get_by_role("row").filter(has_text="Round")
+    expect(row).to_contain_text("Succeeded")
+    expect(page.get_by_role("article")).to_have_count(0)
+    page.get_by_role("link", name="Round").click()
+    expect(page.get_by_role("list", name="Steps").get_by_text(": Done")).to_have_count(3)
+    page.get_by_role("button", name="Run again").click()
+    expect(steps).to_have_count(3)
+    assert gateway.http.get("/missions").json()["missions"][0]["status"] == "succeeded"
+
+
+def test_a_stop_holds_a_mission_until_somebody_continues_it(page: Page, gateway: RunningGateway) -> None:
+    body = {"name": "Held", "steps": [{"wait": {"seconds": 3600}}, {"wait": {"seconds": 0}}]}
+    gateway.http.post("/missions", json=body).raise_for_status()
+    page.get_by_role("navigation", name="Pages").get_by_role("link", name="Missions").click()
+    mission = page.get_by_role("article", name="Held")
+    expect(mission).to_contain_text("Goes on in")
+    gateway.http.post("/stop").raise_for_status()
+    expect(mission).to_contain_text("The mission does not go on by itself")
+    proceed = page.get_by_role("button", name="Continue: Held")
+    expect(proceed).to_have_attribute("aria-disabled", "true")
+    assert find_violations(page) == []
+    gateway.http.delete("/stop").raise_for_status()
+    expect(proceed).not_to_have_attribute("aria-disabled", "true")
+    expect(mission).to_contain_text("Held")
+    proceed.click()
+    expect(mission).to_contain_text("Running")
+    page.get_by_role("button", name="Pause: Held").click()
+    expect(mission).to_contain_text("It pauses after this step")
+    page.get_by_role("button", name="Cancel: Held").click()
+    expect(page.get_by_role("row").filter(has_text="Held")).to_contain_text("Canceled")
+    expect(mission).to_have_count(0)
+
+
+@pytest.mark.expect_page_errors
+def test_what_the_gateway_refuses_is_shown_at_its_field(page: Page, gateway: RunningGateway) -> None:
+    page.goto(f"{gateway.url}/ui/missions/new?example=charge")
+    battery = page.get_by_role("textbox", name="Until the battery has")
+    expect(battery).to_have_value("80 %")
+
+    def spoil(route: Route, request: Request) -> None:
+        body = request.post_data
+        route.continue_(post_data=None if body is None else body.replace('"battery":0.8', '"battery":1.8'))
+
+    page.route("**/missions?*", spoil)
+    page.get_by_role("button", name="Start mission").click()
+    expect(battery).to_have_attribute("aria-invalid", "true")
+    card = page.get_by_role("listitem", name="Step 2: Wait")
+    expect(card).to_contain_text("expected")
+    assert find_violations(page) == []
+    battery.fill("90")
+    expect(battery).not_to_have_attribute("aria-invalid", "true")
+    statuses = [each["status"] for each in gateway.http.get("/missions").json()["missions"]]
+    assert "queued" not in statuses
+    assert "running" not in statuses
