@@ -99,6 +99,10 @@ const HOLDS: Record<NonNullable<Mission["held_for"]>, Hold> = {
     words: "The mission does not go on by itself. Continue begins this step again.",
   },
   canceled: { title: "The goal of this step was canceled", words: "Continue begins the step again." },
+  lost: {
+    title: "Lost contact during this step",
+    words: "Check where the robot is and what it does. Continue begins the step again.",
+  },
   person: { title: "Waiting for a person", words: "Check the robot, then press Continue." },
   paused: { title: "Paused", words: "Continue goes on with this step." },
 };
