@@ -269,7 +269,11 @@ function GoalFields({ step, shape, onChange }: { step: StepDraft; shape: Message
   return (
     <fieldset className={classes.goal}>
       <legend>Goal</legend>
-      {shape.fields.length > 0 && <ModeSwitch state={state} label="Write the goal as" size="xs" />}
+      {shape.fields.length > 0 && (
+        <div>
+          <ModeSwitch state={state} label="Write the goal as" size="xs" />
+        </div>
+      )}
       <DraftFields state={state} shape={shape} sought={sought} onFound={found} />
     </fieldset>
   );
