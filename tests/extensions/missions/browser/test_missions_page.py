@@ -9,19 +9,20 @@ from playwright.sync_api import Page, Request, Route, expect
 
 from tests.browser.axe import find_violations
 from tests.browser.width import expect_no_sideways_scrolling
-from tests.support.docking import FAST
+from tests.support.docking import FAST, PATIENT, UNMEASURED
 from tests.support.gateway import RunningGateway, running_gateway, running_program
 from tests.support.waiting import wait_until
 
 # A start that is near the dock.
 NEAR = ("-p", FAST, "-p", "start_x:=-1.1", "-p", "start_y:=0.1", "-p", "start_theta:=-0.1")
+STEADY = ("-p", "controller:=dock_pose", "-p", PATIENT, "-p", UNMEASURED)
 
 
 @pytest.fixture(scope="module")
 def gateway(domain: int) -> Iterator[RunningGateway]:
     with ExitStack() as stack:
         stack.enter_context(running_program(domain, "dock_simulator", *NEAR))
-        stack.enter_context(running_program(domain, "docking_server", "-p", "controller:=dock_pose"))
+        stack.enter_context(running_program(domain, "docking_server", *STEADY))
         gateway = stack.enter_context(running_gateway(domain))
         gateway.wait_until_ready()
         wait_until(lambda: gateway.http.get("/simulator").status_code == 200, "the simulator")
