@@ -135,7 +135,8 @@ function MissionForm({ draft, onChange }: MissionFormProps) {
     const { key, button } = sought.current;
     sought.current = null;
     const card = list.current?.querySelector<HTMLElement>(`[data-step="${key}"]`);
-    const target = button === null ? card : card?.querySelector<HTMLElement>(`[data-move="${button}"]:enabled`);
+    const target =
+      button === null ? card : card?.querySelector<HTMLElement>(`[data-move="${button}"]:enabled`);
     (target ?? card)?.focus();
   });
 
