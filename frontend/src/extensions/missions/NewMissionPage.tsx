@@ -115,6 +115,7 @@ function MissionForm({ draft, onChange }: MissionFormProps) {
   const [tried, setTried] = useState(false);
   const [by, setBy] = useState(ownName);
   const [said, say] = useState("");
+  const [more, setMore] = useState(false);
   const sought = useRef<Sought | null>(null);
   const list = useRef<HTMLOListElement>(null);
   const adders = useRef<HTMLDivElement>(null);
@@ -183,6 +184,7 @@ function MissionForm({ draft, onChange }: MissionFormProps) {
   };
   const others = draft.refused.filter(({ path }) => !["name", "priority", "steps"].includes(path));
   const ready = isReady(draft, now);
+  const wrongPriority = errorAt(errors, "priority") !== undefined;
 
   return (
     <form onSubmit={submit} noValidate>
@@ -200,21 +202,27 @@ function MissionForm({ draft, onChange }: MissionFormProps) {
               onChange={(event) => change({ name: event.currentTarget.value, refused: [] })}
             />
           </div>
-          <details className={classes.fold} open={errorAt(errors, "priority") !== undefined || undefined}>
+          <details
+            className={classes.fold}
+            open={more || wrongPriority}
+            onToggle={(event) => setMore(event.currentTarget.open)}
+          >
             <summary>More</summary>
-            <div className={classes.fields}>
-              <NumberInput
-                label="Priority"
-                description="Of the missions that wait, the one with the highest number begins first."
-                min={MIN_PRIORITY}
-                max={MAX_PRIORITY}
-                clampBehavior="none"
-                allowDecimal={false}
-                value={draft.priority}
-                error={errorAt(errors, "priority")}
-                onChange={(priority) => change({ priority, refused: [] })}
-              />
-            </div>
+            {(more || wrongPriority) && (
+              <div className={classes.fields}>
+                <NumberInput
+                  label="Priority"
+                  description="Of the missions that wait, the one with the highest number begins first."
+                  min={MIN_PRIORITY}
+                  max={MAX_PRIORITY}
+                  clampBehavior="none"
+                  allowDecimal={false}
+                  value={draft.priority}
+                  error={errorAt(errors, "priority")}
+                  onChange={(priority) => change({ priority, refused: [] })}
+                />
+              </div>
+            )}
           </details>
         </Section>
         <Section title="Steps">

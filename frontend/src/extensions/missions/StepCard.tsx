@@ -385,43 +385,45 @@ function Options({ step, errors, set }: FieldsProps) {
           </Text>
         )}
       </summary>
-      <div className={classes.fields}>
-        <NumberInput
-          label="Time limit"
-          description="A goal that runs is canceled then. Empty: no limit."
-          suffix=" s"
-          min={MIN_TIMEOUT_S}
-          max={MAX_TIMEOUT_S}
-          clampBehavior="none"
-          value={step.timeout}
-          error={errorAt(errors, "timeout_s")}
-          onChange={(timeout) => set({ timeout }, "timeout_s")}
-        />
-        <NumberInput
-          label="Tries"
-          description="Five seconds apart."
-          min={MIN_TRIES}
-          max={MAX_TRIES}
-          clampBehavior="none"
-          allowDecimal={false}
-          value={step.tries}
-          error={errorAt(errors, "tries")}
-          onChange={(tries) => set({ tries }, "tries")}
-        />
-        <NativeSelect
-          label="If it fails"
-          description="After the last try."
-          value={step.onFailure}
-          error={errorAt(errors, "on_failure")}
-          onChange={(event) =>
-            set({ onFailure: event.currentTarget.value as StepDraft["onFailure"] }, "on_failure")
-          }
-          data={[
-            { value: "end", label: "End the mission" },
-            { value: "next", label: "Go on with the next step" },
-          ]}
-        />
-      </div>
+      {(opened || wrong) && (
+        <div className={classes.fields}>
+          <NumberInput
+            label="Time limit"
+            description="A goal that runs is canceled then. Empty: no limit."
+            suffix=" s"
+            min={MIN_TIMEOUT_S}
+            max={MAX_TIMEOUT_S}
+            clampBehavior="none"
+            value={step.timeout}
+            error={errorAt(errors, "timeout_s")}
+            onChange={(timeout) => set({ timeout }, "timeout_s")}
+          />
+          <NumberInput
+            label="Tries"
+            description="Five seconds apart."
+            min={MIN_TRIES}
+            max={MAX_TRIES}
+            clampBehavior="none"
+            allowDecimal={false}
+            value={step.tries}
+            error={errorAt(errors, "tries")}
+            onChange={(tries) => set({ tries }, "tries")}
+          />
+          <NativeSelect
+            label="If it fails"
+            description="After the last try."
+            value={step.onFailure}
+            error={errorAt(errors, "on_failure")}
+            onChange={(event) =>
+              set({ onFailure: event.currentTarget.value as StepDraft["onFailure"] }, "on_failure")
+            }
+            data={[
+              { value: "end", label: "End the mission" },
+              { value: "next", label: "Go on with the next step" },
+            ]}
+          />
+        </div>
+      )}
     </details>
   );
 }
