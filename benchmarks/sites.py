@@ -103,7 +103,7 @@ class Bench:
     async def read(self, seconds: float) -> list[float]:
         """Read the overview; return how old each change of a robot was when it arrived, in ms."""
         ages: list[float] = []
-        url = f"ws://127.0.0.1:{self.port}/ws/feedback?include=robots&feedback=false"
+        url = f"ws://127.0.0.1:{self.port}/ws/feedback?include=fleet&feedback=false"
         async with connect(url, max_size=None, compression=None) as websocket:
             await websocket.recv()
             deadline = time.monotonic() + seconds

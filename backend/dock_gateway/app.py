@@ -37,6 +37,7 @@ from dock_gateway.stop.schema import StopProblem
 from dock_gateway.streams import events, socket, topics
 from dock_gateway.streams.asyncapi import asyncapi_document
 from dock_gateway.streams.command_schema import ANSWERS, COMMAND_SCHEMAS
+from dock_gateway.streams.includes import type_of
 from dock_gateway.streams.schema import EVENTS
 from dock_gateway.streams.topic_schema import ECHO_EVENTS
 
@@ -55,7 +56,10 @@ def _contents(installed: Installed) -> Contents:
         ),
         models=(StopProblem,),
         messages=battery_schemas,
-        values={"AlertKind": [kind.value for kind in installed.kinds]},
+        values={
+            "AlertKind": [kind.value for kind in installed.kinds],
+            "Include": [type_of(event) for event in installed.events],
+        },
         codes=installed.errors,
         fields=dict.fromkeys(("Goal", "ExportedGoal"), installed.goal_fields),
         asyncapi=partial(asyncapi_document, further=further),

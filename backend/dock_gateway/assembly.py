@@ -41,8 +41,8 @@ from dock_gateway.stop.opening import open_stop
 from dock_gateway.stop.stop_of_all import StopOfAll
 from dock_gateway.storage import History, open_history
 from dock_gateway.streams.gateway_present import GatewayPresent
+from dock_gateway.streams.includes import Includes
 from dock_gateway.streams.present import Present
-from dock_gateway.streams.queries import Includes
 
 
 @asynccontextmanager
@@ -102,7 +102,7 @@ async def _open_extensions(parts: Parts, stack: AsyncExitStack) -> None:
     """Open the extensions, with what users share of them and what measures them."""
     settings, installed, alerts = parts[Settings], parts[Installed], parts[AlertBoard]
     parts.add(Quotas, Quotas(settings, installed.limits(settings)))
-    parts.add(Includes, Includes(installed.includes))
+    parts.add(Includes, Includes(installed.events))
     await installed.open(parts, stack)
     alerts.sources.append(installed.alerts)
     alerts.kinds.update(installed.kinds)

@@ -51,8 +51,7 @@ class Extension:
             find it by its type; None if it is switched off.
         settings: Its settings: options of the command line, variables of the environment.
         routes: Returns its routers: a function, so that what is off is not imported.
-        includes: Topics of events that streams can ask for with `include`.
-        events: The models of these events.
+        events: The models of its events, which streams can ask for by their types with `include`.
         alerts: The kinds of alerts that it adds.
         errors: The error codes that it adds.
         limits: Returns what users share of it, by name.
@@ -66,7 +65,6 @@ class Extension:
     open: Callable[[Parts], AbstractAsyncContextManager[object]] | None = None
     settings: type[ExtensionSettings] | None = None
     routes: Callable[[Settings], Sequence[APIRouter]] = field(default=lambda _: ())
-    includes: Sequence[str] = ()
     events: Sequence[type[BaseModel]] = ()
     alerts: Sequence[AlertKind] = ()
     errors: Sequence[ErrorCode] = ()
@@ -125,11 +123,6 @@ class Installed:
     def events(self) -> tuple[type[BaseModel], ...]:
         """The models of their events."""
         return tuple(event for each in self for event in each.events)
-
-    @property
-    def includes(self) -> list[str]:
-        """The topics of events that streams can ask for."""
-        return [topic for each in self for topic in each.includes]
 
     @property
     def goal_fields(self) -> dict[str, type[BaseModel]]:

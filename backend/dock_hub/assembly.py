@@ -31,14 +31,14 @@ from dock_gateway.sites.identity import Signer
 from dock_gateway.sites.subjects import HUB, inbox
 from dock_gateway.sites.tunnel.caller import Caller
 from dock_gateway.storage import History, open_history
+from dock_gateway.streams.includes import Includes
 from dock_gateway.streams.present import Present
-from dock_gateway.streams.queries import Includes
 from dock_hub.collector import HubCollector
 from dock_hub.labels import SiteLabels
 from dock_hub.limits import hub_limits
 from dock_hub.mirror import Mirror
 from dock_hub.overview import Overview
-from dock_hub.schema import GOAL_FIELDS
+from dock_hub.schema import GOAL_FIELDS, SitesEvent
 from dock_hub.settings import HubSettings
 from dock_hub.shares import BY_SITE
 from dock_hub.sites import Sites
@@ -46,8 +46,8 @@ from dock_hub.stop_requests import StopEntry
 from dock_hub.stops import Stops
 from dock_hub.store import HubStore
 
-# The topics that extensions of a gateway add to streams: they can be asked for, and there are no events of them.
-INCLUDES = ("map", "maps", "scan", "path", "missions")
+# The types of the events of a gateway's extensions: they can be asked for, and there are no such events.
+INCLUDES = ("automation", "map", "maps", "mission", "path", "scan")
 
 
 class NoLiveGoals:
@@ -140,7 +140,7 @@ async def _open_extensions(parts: Parts, stack: AsyncExitStack) -> None:
     """Open the extensions, with what measures them."""
     installed = parts[Installed]
     parts.add(Quotas, Quotas(parts[Settings], hub_limits(parts[Settings])))
-    parts.add(Includes, Includes(INCLUDES))
+    parts.add(Includes, Includes((SitesEvent,), also=INCLUDES))
     await installed.open(parts, stack)
     parts[Overview].sources.append(installed.alerts)
     parts.add(Metrics, closed_by(stack, Metrics(HubCollector(parts, installed.metrics), CollectorRegistry())))

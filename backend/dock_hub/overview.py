@@ -33,7 +33,6 @@ from dock_hub.sites import Sites
 
 log = logging.getLogger(__name__)
 
-TOPIC = "robots"
 # Seconds between two publications of what has changed.
 INTERVAL = 0.2
 # Bytes of robots of one site in a publication: a site whose robots change all the time is not all that readers get.
@@ -43,25 +42,23 @@ RESTLESS = frozenset({"lag_ms", "round_trip_ms", "clock_offset_s", "cursor"})
 Document = dict[str, Any]
 NO_STOP: Document = {"latched": False, "stopped_at": None, "by": None, "robots": [], "persisted": True}
 NO_SERVER: Document = {"action_name": "", "action_type": "", "available": False, "answering": False, "duplicate": False}
-# What a stream of a gateway begins with besides. A hub has the batteries of robots in `robots`, and publishes none.
+# A hub has the batteries of robots in `robots`, and publishes none.
 NO_BATTERY: Document = {
-    "battery": {
-        "state": None,
-        "percentage": None,
-        "implausible": [],
-        "age_s": None,
-        "stale": True,
-        "stale_after_s": 0.0,
-        "low_below": 0.0,
-        "received_at": None,
-    },
-    "battery_publisher": {
-        "active": False,
-        "state": None,
-        "rate_hz": None,
-        "published_count": 0,
-        "started_at": None,
-    },
+    "state": None,
+    "percentage": None,
+    "implausible": [],
+    "age_s": None,
+    "stale": True,
+    "stale_after_s": 0.0,
+    "low_below": 0.0,
+    "received_at": None,
+}
+NO_PUBLISHER: Document = {
+    "active": False,
+    "state": None,
+    "rate_hz": None,
+    "published_count": 0,
+    "started_at": None,
 }
 
 
@@ -223,43 +220,43 @@ class Overview:
     # ------------------------------------------------------------------ streams
 
     async def snapshot(self, event_filter: EventFilter, position: str) -> Event:
-        """Return recent goals; all robots, alerts and sites if asked for."""
+        """Return recent goals; robots, alerts, approvals and sites if asked for."""
         goals = await self._goals.recent(event_filter)
-        grant = event_filter.grant or UNLIMITED
-        robots = self.robots(grant, event_filter.robot)
-        dock, undock = servers_of(robots, event_filter.robot)
-        fleet = {}
-        if TOPIC in event_filter.topics:
-            fleet = {
-                "robots": self.robots(grant),
-                "alerts": self.documents(grant),
-                "approvals": self.approvals(grant),
-                "sites": self.site_documents(grant),
-            }
         return notice(
             "snapshot",
             utc_now(),
             position=position,
             ends_goal=event_filter.goal_id is not None and all(goal.status.terminal for goal in goals),
             goals=[goal.document() for goal in goals],
-            stop=stop_of(robots),
-            action_server=dock,
-            undock_server=undock,
-            **NO_BATTERY,
-            **fleet,
+            **self._states_of(event_filter),
         )
 
     def events(self, event_filter: EventFilter) -> list[Event]:
-        """Return the current robots, alerts and sites, if the reader wants them."""
-        if TOPIC not in event_filter.topics:
-            return []
-        grant, now = event_filter.grant or UNLIMITED, utc_now()
+        """Return the current robots, alerts, approvals and sites that the reader wants."""
+        now = utc_now()
         return [
-            fleet_event("robots", now, narrow_robots, robots=self.robots(grant), gone=[]),
-            fleet_event("alerts", now, narrow_alerts, alerts=self.documents(grant)),
-            fleet_event("approvals", now, narrow_approvals, approvals=self.approvals(grant)),
-            fleet_event("sites", now, narrow_sites, sites=self.site_documents(grant)),
+            fleet_event(kind, now, NARROW[kind], **{kind: state}, **({"gone": []} if kind == "robots" else {}))
+            for kind, state in self._states_of(event_filter).items()
+            if kind in NARROW
         ]
+
+    def _states_of(self, event_filter: EventFilter) -> Document:
+        """Return the state of what a reader asked for, by the type of the events that change it."""
+        grant, asked = event_filter.grant or UNLIMITED, event_filter.topics
+        states: dict[str, Callable[[], Any]] = {
+            "stop": lambda: stop_of(self.robots(grant, event_filter.robot)),
+            "docking": lambda: servers_of(self.robots(grant, event_filter.robot), event_filter.robot),
+            "battery": lambda: NO_BATTERY,
+            "battery_publisher": lambda: NO_PUBLISHER,
+            "simulator": lambda: None,
+            "robots": lambda: self.robots(grant),
+            "alerts": lambda: self.documents(grant),
+            "approvals": lambda: self.approvals(grant),
+            "sites": lambda: self.site_documents(grant),
+        }
+        if "action_server" in asked:
+            asked |= {"docking"}
+        return {kind: state() for kind, state in states.items() if kind in asked}
 
     def site_documents(self, grant: Grant = UNLIMITED) -> list[Document]:
         """Return the sites of a grant, by name."""
@@ -280,7 +277,7 @@ class Overview:
         if ids != self._ids:
             self._ids = ids
             self.on_change()
-        if not self._fanout.watched(TOPIC):
+        if not any(map(self._fanout.watched, NARROW)):
             self._published.clear()
             for view in views:
                 view.changed.clear()
@@ -295,22 +292,20 @@ class Overview:
         if robots or gone:
             self._fanout.publish(fleet_event("robots", utc_now(), narrow_robots, robots=robots, gone=gone))
         self._publish_alerts()
-        self._publish_if_changed("approvals", narrow_approvals, self.approvals())
+        self._publish_if_changed("approvals", self.approvals())
         sites = self.site_documents()
         settled = [{name: value for name, value in site.items() if name not in RESTLESS} for site in sites]
-        self._publish_if_changed("sites", narrow_sites, sites, settled)
+        self._publish_if_changed("sites", sites, settled)
 
     def _publish_alerts(self) -> None:
-        self._publish_if_changed("alerts", narrow_alerts, self.documents())
+        self._publish_if_changed("alerts", self.documents())
 
-    def _publish_if_changed(
-        self, kind: str, narrow: Narrow, documents: list[Document], settled: list[Document] | None = None
-    ) -> None:
+    def _publish_if_changed(self, kind: str, documents: list[Document], settled: list[Document] | None = None) -> None:
         encoded = encode(documents if settled is None else settled)
         if self._published.get(kind) != encoded:
             self._published[kind] = encoded
             shown = encoded if settled is None else encode(documents)
-            self._fanout.publish(fleet_event(kind, utc_now(), narrow, **{kind: orjson.Fragment(shown)}))
+            self._fanout.publish(fleet_event(kind, utc_now(), NARROW[kind], **{kind: orjson.Fragment(shown)}))
 
 
 def stop_of(robots: Iterable[Document]) -> Document:
@@ -318,12 +313,12 @@ def stop_of(robots: Iterable[Document]) -> Document:
     return together([robot["stop"] if robot["site_state"] is SiteState.CONNECTED else NO_STOP for robot in robots])
 
 
-def servers_of(robots: Iterable[Document], namespace: str) -> tuple[Document, Document]:
+def servers_of(robots: Iterable[Document], namespace: str) -> Document:
     """Return the docking and the undocking server of a robot. One of a site that is not connected has none."""
     for robot in robots:
         if robot["name"] == namespace and robot["site_state"] is SiteState.CONNECTED:
-            return robot["dock"] or NO_SERVER, robot["undock"] or NO_SERVER
-    return NO_SERVER, NO_SERVER
+            return {verb: robot[verb] or NO_SERVER for verb in ("dock", "undock")}
+    return {"dock": NO_SERVER, "undock": NO_SERVER}
 
 
 def narrow_sites(document: Document, grant: Grant) -> Document:
@@ -334,6 +329,14 @@ def narrow_sites(document: Document, grant: Grant) -> Document:
         if site_grant(grant, site["name"]) is not None
     ]
     return {**document, "sites": sites}
+
+
+NARROW: dict[str, Narrow] = {
+    "robots": narrow_robots,
+    "alerts": narrow_alerts,
+    "approvals": narrow_approvals,
+    "sites": narrow_sites,
+}
 
 
 def _text(since: object) -> str:

@@ -3,14 +3,14 @@
 from datetime import datetime
 from typing import Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict
 
 from dock_gateway.extensions.recordings.schema import GoalRecording
 from dock_gateway.fleet.schema import Alert, Robot
 from dock_gateway.goals.approval_schema import Approval
 from dock_gateway.http.schema import Schema
 from dock_gateway.observability.schema import Health, Readiness
-from dock_gateway.streams.schema import SnapshotEvent
+from dock_gateway.streams.schema import UNASKED, FleetEvent, SnapshotEvent
 from dock_hub.directory import SiteState
 from dock_hub.stop_schema import PendingStop
 
@@ -91,17 +91,21 @@ class SiteApproval(Approval):
 
 
 class HubSnapshotEvent(SnapshotEvent):
-    """The first message of a stream of a hub, which has no robot of its own."""
+    """The first message of a stream of a hub, with what `include` asks for.
+
+    `stop` and `docking` are those of the robots of connected sites. A hub has no battery, no publisher and no
+    simulator of its own.
+    """
 
     model_config = ConfigDict(json_schema_serialization_defaults_required=False)
 
-    robots: list[SiteRobot] = Field(default_factory=list)  # type: ignore[assignment]
-    alerts: list[SiteAlert] = Field(default_factory=list)  # type: ignore[assignment]
-    approvals: list[SiteApproval] = Field(default_factory=list)  # type: ignore[assignment]
-    sites: list[SiteInfo] = Field(default_factory=list)
+    robots: list[SiteRobot] = UNASKED  # type: ignore[assignment]
+    alerts: list[SiteAlert] = UNASKED  # type: ignore[assignment]
+    approvals: list[SiteApproval] = UNASKED  # type: ignore[assignment]
+    sites: list[SiteInfo] = UNASKED
 
 
-class HubRobotsEvent(Schema):
+class HubRobotsEvent(FleetEvent):
     """The current state of robots that changed; `gone` names those that left."""
 
     type: Literal["robots"]
@@ -110,7 +114,7 @@ class HubRobotsEvent(Schema):
     gone: list[str]
 
 
-class HubAlertsEvent(Schema):
+class HubAlertsEvent(FleetEvent):
     """The alerts changed. Contains all active alerts."""
 
     type: Literal["alerts"]
@@ -118,7 +122,7 @@ class HubAlertsEvent(Schema):
     alerts: list[SiteAlert]
 
 
-class HubApprovalsEvent(Schema):
+class HubApprovalsEvent(FleetEvent):
     """The goals of agents that wait for approval changed. Contains all that wait."""
 
     type: Literal["approvals"]
@@ -126,7 +130,7 @@ class HubApprovalsEvent(Schema):
     approvals: list[SiteApproval]
 
 
-class SitesEvent(Schema):
+class SitesEvent(FleetEvent):
     """The sites changed. Contains all sites. Not sent if only ages and round trips have changed."""
 
     type: Literal["sites"]

@@ -115,7 +115,7 @@ class SiteClient:
 
     def events(self, after: str | None) -> AbstractAsyncContextManager[Conversation]:
         """Follow the site: a snapshot or what was missed since an event, then everything as it happens."""
-        query = "include=robots&feedback=false" + ("" if after is None else f"&after={after}")
+        query = "include=fleet&feedback=false" + ("" if after is None else f"&after={after}")
         request = SiteRequest("GET", "/ws/feedback", query)
         return self._caller.websocket(self.address, request.path, token=self._sign(request), query=query)
 

@@ -49,7 +49,7 @@ const root = createRoot(container);
 // Asked by index.html while the scripts were loading. Nothing is shown before, so that no login and no page flashes up.
 await session.ask();
 pauseWhileUnseen();
-openStream(streamUrl(location, { include: "system,robots", feedback: "false" }), store);
+openStream(streamUrl(location, { include: "system,fleet", feedback: "false" }), store);
 root.render(
   <StrictMode>
     <MantineProvider theme={theme} cssVariablesResolver={cssVariables} defaultColorScheme="auto">

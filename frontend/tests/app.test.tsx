@@ -124,7 +124,9 @@ describe("docking", () => {
   });
 
   it("does not undock where nobody offers that, and says so", () => {
-    renderPage(fakeGateway(), { undock_server: { ...undockServer, available: false, answering: false } });
+    renderPage(fakeGateway(), {
+      docking: { dock: server, undock: { ...undockServer, available: false, answering: false } },
+    });
     expect(isDisabled("Dock")).toBe(false);
     expect(isDisabled("Undock")).toBe(true);
     expect(descriptionOf(button("Dock"))).toBe("");
@@ -175,7 +177,9 @@ describe("docking", () => {
   });
 
   it("names the action server that is not there", () => {
-    renderPage(fakeGateway(), { action_server: { ...server, available: false, answering: false } });
+    renderPage(fakeGateway(), {
+      docking: { dock: { ...server, available: false, answering: false }, undock: undockServer },
+    });
     expect(screen.getByTestId("action-server").textContent).toBe("action server not there");
     expect(isDisabled("Dock")).toBe(true);
     expect(descriptionOf(button("Dock"))).toMatch(/^No server offers the action \/dock/);
@@ -183,7 +187,7 @@ describe("docking", () => {
 
   it("warns where the action server is silent, and explains a stall and a loss", () => {
     renderPage(fakeGateway(), {
-      action_server: { ...server, answering: false },
+      docking: { dock: { ...server, answering: false }, undock: undockServer },
       goals: [{ ...running, status: "lost", error: { code: "action_server_lost", detail: "it left" } }],
     });
     expect(screen.getByText(/not responding: a goal may time out/)).toBeDefined();

@@ -111,7 +111,7 @@ describe("a docking server that is not ours", () => {
 
   it("is named, and is not asked for a battery state", async () => {
     const gateway = fakeGateway();
-    const { store, user } = renderPage(gateway, { action_server: nav2 });
+    const { store, user } = renderPage(gateway, { docking: { dock: nav2, undock: undockServer } });
     expect(screen.getByTestId("docking-family").textContent).toBe("nav2");
     expect(screen.queryByText("Dock until the battery is")).toBeNull();
     act(() => store.onEvent({ type: "simulator", time: at(1), robot: "/", simulator }));

@@ -203,8 +203,7 @@ export function snapshot(change: Partial<EventOf<"snapshot">> = {}): EventOf<"sn
       received_at: null,
     },
     battery_publisher: idlePublisher,
-    action_server: server,
-    undock_server: undockServer,
+    docking: { dock: server, undock: undockServer },
     stop: released,
     ...change,
   };

@@ -26,6 +26,7 @@ import {
   simulator,
   snapshot,
   status,
+  undockServer,
 } from "./events";
 
 /** The state of a page that is connected. */
@@ -260,7 +261,10 @@ describe("other actions on the graph", () => {
   it("are left behind where the gateway comes back with another one", () => {
     const before = stateAfter([snapshot({ goals: [goal("old", { status: "succeeded" })] })]);
     const moved = { ...server, action_name: "/robot1/dock" };
-    const state = stateAfter([snapshot({ action_server: moved, goals: [goal("a")] })], before);
+    const state = stateAfter(
+      [snapshot({ docking: { dock: moved, undock: undockServer }, goals: [goal("a")] })],
+      before,
+    );
     expect(state.goals.size).toBe(0);
     expect(state.actionServer).toEqual(moved);
   });
@@ -270,9 +274,12 @@ describe("the undocking action", () => {
   const name = "/disconnect_from_charging_dock";
 
   it("is the one that the snapshot names, and its goals are taken up", () => {
-    const undock_server = { ...server, action_name: "/leave", available: false, answering: false };
-    const state = stateAfter([snapshot({ undock_server }), status("u", { action_name: "/leave" })]);
-    expect(state.undockServer).toEqual(undock_server);
+    const undock = { ...server, action_name: "/leave", available: false, answering: false };
+    const state = stateAfter([
+      snapshot({ docking: { dock: server, undock } }),
+      status("u", { action_name: "/leave" }),
+    ]);
+    expect(state.undockServer).toEqual(undock);
     expect(state.goals.get("u")?.action_name).toBe("/leave");
   });
 

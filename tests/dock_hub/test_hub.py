@@ -129,7 +129,7 @@ async def test_what_a_login_does_not_reach_is_not_there(hub: Hub) -> None:
     docking = (await hub.http.post("/dock", headers=header)).json()
     assert docking["detail"].endswith("what belongs to one site is at /sites/{site}/…")
     assert (await hub.http.get("/sites/berlin/echo")).json()["code"] == "not_authenticated"
-    address = f"{hub.url.replace('http', 'ws')}/ws/feedback?include=robots"
+    address = f"{hub.url.replace('http', 'ws')}/ws/feedback?include=fleet"
     async with websockets.asyncio.client.connect(address, additional_headers=header) as socket:
         snapshot = orjson.loads(await socket.recv())
         assert (snapshot["robots"], snapshot["sites"]) == ([], [])
@@ -208,7 +208,7 @@ def test_the_sockets_that_only_read_are_those_of_a_gateway() -> None:
 
 async def test_robots_of_a_site_stay_as_they_were_when_it_leaves(hub: Hub, nats: NatsServer, tmp_path: Path) -> None:
     _, header = await hub.token("ada", Role.VIEWER, "/turin/*")
-    address = f"{hub.url.replace('http', 'ws')}/ws/feedback?include=robots"
+    address = f"{hub.url.replace('http', 'ws')}/ws/feedback?include=fleet"
     async with small_site(nats.url, Signer.load_or_create(tmp_path / "hub.key"), tmp_path, "turin"):
         await hub.connected("turin")
         shown = (await hub.http.get("/robots", headers=header)).json()["robots"]

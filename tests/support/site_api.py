@@ -18,6 +18,7 @@ from dock_gateway.core.event import Event, notice, stamp_of, system_event
 from dock_gateway.core.fanout import Subscriber
 from dock_gateway.core.filters import EventFilter, WithoutFeedback
 from dock_gateway.core.goal import Goal, encode
+from dock_gateway.streams.includes import Includes
 from tests.support.site_simulation import SimulatedSite
 
 HEARTBEAT = 5.0
@@ -106,7 +107,7 @@ class SiteApi:
     async def _feedback(self, websocket: WebSocket) -> None:
         query = websocket.query_params
         kind = EventFilter if query.get("feedback", "true") == "true" else WithoutFeedback
-        event_filter = kind(topics=frozenset({"goals", *query.get("include", "").split(",")}))
+        event_filter = kind(topics=Includes().read(query.get("include", "")) | {"goals"})
         await websocket.accept()
         subscriber = self._site.fanout.subscribe(event_filter)
         writing = asyncio.create_task(self._write(websocket, subscriber, query.get("after")))
@@ -148,7 +149,7 @@ class SiteApi:
             return [first] if after is None else [notice("gap", now, after=after, count=0), first]
         place = bisect.bisect_right(site.events, after, key=lambda event: event.id or "")
         missed = site.events[place:]
-        present = [system_event("stop", site.stop_state("/"), now, robot="/")] if "system" in topics else []
+        present = [system_event("stop", site.stop_state("/"), now, robot="/")] if "stop" in topics else []
         state = [
             notice(kind, now, **{kind: value}, **({"gone": []} if kind == "robots" else {}))
             for kind, value in fleet.items()

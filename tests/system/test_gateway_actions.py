@@ -88,14 +88,14 @@ def test_a_robot_is_a_namespace(gateway: RunningGateway, shared_domain: int) -> 
         with gateway.stream("?robot=/robot1&include=battery,cmd_vel,system") as stream:
             snapshot = stream.next()
             assert snapshot["goals"] == []
-            assert snapshot["action_server"] == {
+            assert snapshot["docking"]["dock"] == {
                 "action_name": f"/robot1{ACTION}",
                 "action_type": "action_tutorials_interfaces/action/ConnectToChargingDock",
                 "available": True,
                 "answering": True,
                 "duplicate": False,
             }
-            assert snapshot["undock_server"] == {
+            assert snapshot["docking"]["undock"] == {
                 "action_name": "/robot1/disconnect_from_charging_dock",
                 "action_type": "action_tutorials_interfaces/action/DisconnectFromChargingDock",
                 "available": False,

@@ -61,7 +61,7 @@ def acknowledger(gateway: RunningGateway, alert_id: str) -> str | None:
 def test_a_low_battery_is_acknowledged_everywhere_until_it_is_over(
     shared_domain: int, database: str, gateway: RunningGateway
 ) -> None:
-    with gateway.stream("?include=robots") as stream:
+    with gateway.stream("?include=fleet") as stream:
         assert stream.next()["alerts"] == []
         gateway.publish(EMPTY)
         (alert,) = until_alerts(stream, "low_battery")
@@ -107,7 +107,7 @@ def test_a_battery_that_falls_silent(gateway: RunningGateway) -> None:
 def test_a_robot_that_is_docked_and_not_charged_then_one_that_is_lost(
     shared_domain: int, gateway: RunningGateway
 ) -> None:
-    with gateway.stream("?include=robots&feedback=false") as stream:
+    with gateway.stream("?include=fleet&feedback=false") as stream:
         with running_dock_server(shared_domain) as server:
             gateway.wait_until_ready()
             gateway.publish(CHARGING)

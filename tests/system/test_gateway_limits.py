@@ -234,7 +234,7 @@ def test_an_idempotency_key_belongs_to_its_user(robots: Robots, goals: dict[str,
 
 def test_a_stream_carries_the_own_robot_only(robots: Robots, goals: dict[str, str]) -> None:
     """What the other robot does is seen by an admin, and by then the limited reader would have seen it, too."""
-    query = "?include=robots,battery,system,scenes"
+    query = "?include=fleet,battery,system,scenes"
     with (
         stream(robots.gateway, f"/ws/feedback{query}", robots.one) as limited,
         stream(robots.gateway, f"/ws/feedback{query}", robots.admin) as everything,
@@ -250,7 +250,7 @@ def test_a_stream_carries_the_own_robot_only(robots: Robots, goals: dict[str, st
     assert TWO not in seen + later
     snapshot = orjson.loads(seen.splitlines()[0])
     assert [robot["name"] for robot in snapshot["robots"]] == [ONE]
-    assert snapshot["action_server"]["action_name"] == f"{ONE}/connect_to_charging_dock"
+    assert snapshot["docking"]["dock"]["action_name"] == f"{ONE}/connect_to_charging_dock"
 
 
 def texts_until(socket: Any, text: str) -> str:

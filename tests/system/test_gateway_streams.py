@@ -65,21 +65,21 @@ def test_a_reader_that_was_away_gets_what_it_missed_and_nothing_twice(gateway: R
 
 
 def test_what_is_not_replayed_is_told_as_it_is_now(gateway: RunningGateway, running: str) -> None:
-    with gateway.stream("?include=system,robots") as first:
+    with gateway.stream("?include=system,fleet") as first:
         last = first.until_type("feedback")["id"]
     gateway.http.post("/stop", json={"by": "Ada"}).raise_for_status()
     gateway.http.delete("/battery/publisher").raise_for_status()
     gateway.wait_for_goal(running, "canceled")
-    with gateway.stream(f"?include=system,robots&after={last}") as second:
+    with gateway.stream(f"?include=system,fleet&after={last}") as second:
         missed = second.next()["count"]
         for _ in range(missed):
             assert "id" in second.next()
-        present = [second.next() for _ in range(6)]
+        present = [second.next() for _ in range(8)]
     gateway.http.delete("/stop").raise_for_status()
     gateway.publish(LOW)
-    types = ["stop", "battery_publisher", "docking", *["action_server"] * 2, "robots"]
+    types = ["stop", "battery_publisher", "docking", "robots", "alerts", "approvals", *["action_server"] * 2]
     assert [event["type"] for event in present] == types
-    stop, publisher, docking, dock, undock, robots = present
+    stop, publisher, docking, robots, _, _, dock, undock = present
     assert (stop["robot"], stop["stop"]["latched"], stop["stop"]["by"]) == ("/", True, "Ada")
     assert publisher["battery_publisher"]["active"] is False
     assert docking["docking"]["dock"]["action_name"] == ACTION

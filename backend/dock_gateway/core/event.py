@@ -25,14 +25,13 @@ Narrow = Callable[[dict[str, Any], Grant], dict[str, Any] | None]
 class Event:
     """An encoded event and its routing data.
 
-    `topic` is `goals` or a name from `?include=`: `battery`, `cmd_vel`, `system`, `scene`, `scenes`, `robots`, or one
-    of an extension. Only `droppable` events may be dropped for a slow subscriber. `id` is the document's id, if it has
-    one. `robot` is the namespace of the robot, if the event is about one robot. `ends_goal`: no further events
-    of the goal are expected. `supersedes`: the event replaces a queued one of the same topic and robot. `key`
-    identifies what happened and is the same at every gateway, so the history stores it once. A goal has one end and
-    one result. `source` is the ROS topic that it was read from, if readers need the right to read that, too.
-    `narrow` says what a limited reader is shown of an event about several robots, which has no `id`: the history, from
-    which readers resume, stores no functions.
+    `topic` is `goals`, or the event's type, which `?include=` names. Only `droppable` events may be dropped for a slow
+    subscriber. `id` is the document's id, if it has one. `robot` is the namespace of the robot, if the event is about
+    one robot. `ends_goal`: no further events of the goal are expected. `supersedes`: the event replaces a queued one of
+    the same topic and robot. `key` identifies what happened and is the same at every gateway, so the history stores it
+    once. A goal has one end and one result. `source` is the ROS topic that it was read from, if readers need the right
+    to read that, too. `narrow` says what a limited reader is shown of an event about several robots, which has no `id`:
+    the history, from which readers resume, stores no functions.
 
     Raises:
         ValueError: The event has both an `id` and `narrow`.
@@ -310,7 +309,7 @@ def system_event(
 ) -> Event:
     """Return a system event: `battery_publisher`, `docking`, `stop` or `simulator` of a robot, or `action_server`."""
     document = {"type": kind, "time": now, kind: payload} | ({} if robot is None else {"robot": robot})
-    return Event(encode(document), "system", robot=robot, action_name=action_name)
+    return Event(encode(document), kind, robot=robot, action_name=action_name)
 
 
 def loss_event(goal_id: str, action_name: str, why: str, count: int, now: datetime) -> Event:
@@ -328,7 +327,7 @@ def loss_event(goal_id: str, action_name: str, why: str, count: int, now: dateti
 
 def fleet_event(kind: str, now: datetime, narrow: Narrow, **payload: Any) -> Event:
     """Return the event of a change in the fleet: `robots` holds those that changed, `alerts` all alerts."""
-    return Event(encode({"type": kind, "time": now, **payload}), "robots", narrow=narrow)
+    return Event(encode({"type": kind, "time": now, **payload}), kind, narrow=narrow)
 
 
 def notice(kind: str, now: datetime, *, ends_goal: bool = False, position: str | None = None, **payload: Any) -> Event:

@@ -51,7 +51,7 @@ class EventFilter:
     """The events that a subscriber wants.
 
     Attributes:
-        topics: `goals`, `battery`, `cmd_vel`, `system`, `scene`, `scenes`, `robots`, `map`, `maps`, `scan`, `path`.
+        topics: `goals`, and types of other events.
         goal_id: Only events of this goal.
         action_name: Only goals and servers of this action.
         namespace: Only goals and servers of actions in this namespace or below.

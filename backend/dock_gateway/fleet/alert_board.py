@@ -28,9 +28,6 @@ from dock_gateway.storage.shared_entries import SYNC_INTERVAL, SharedEntries
 
 log = logging.getLogger(__name__)
 
-TOPIC = "robots"
-
-
 Source = Callable[[], Iterable[Alert]]
 
 
@@ -151,7 +148,7 @@ class AlertBoard:
         return alert.document(self._acknowledgements.get(alert.id))
 
     def _publish(self) -> None:
-        if not self._fanout.watched(TOPIC):
+        if not self._fanout.watched("alerts"):
             self._published = None
             return
         now = encode(documents := self.documents())

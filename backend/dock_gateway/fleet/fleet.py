@@ -16,7 +16,7 @@ from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.narrowing import narrow_robots
 from dock_gateway.core.tasks import cancel
-from dock_gateway.fleet.alert_board import TOPIC, AlertBoard
+from dock_gateway.fleet.alert_board import AlertBoard
 from dock_gateway.fleet.robot_state import RobotState
 from dock_gateway.goals.docking_hints import DockingHints
 from dock_gateway.goals.hints import Join, Sight, find_join, split_robots
@@ -186,7 +186,7 @@ class Fleet:
         states, strays = self._see()
         sights = self._hints.sights()
         self._alerts.update(states, strays, self._duplicates(), split_robots(sights))
-        if not self._fanout.watched(TOPIC):
+        if not self._fanout.watched("robots"):
             self._published = {}
             return
         now = {state.name: encode(state.document(join=_join(state, sights))) for state in states}

@@ -20,9 +20,6 @@ from dock_gateway.core.narrowing import narrow_approvals
 from dock_gateway.core.request import hold, wait_while_permitted
 from dock_gateway.settings import Settings
 
-# The topic of the fan-out that readers of the overview have.
-TOPIC = "robots"
-
 
 @dataclass(eq=False)
 class Approval:
@@ -197,7 +194,7 @@ class Approvals:
                 approval.answer(Conflict("a stop was requested while the goal waited for approval", code="stopped"))
 
     def _publish(self) -> None:
-        if self._fanout.watched(TOPIC):
+        if self._fanout.watched("approvals"):
             self._fanout.publish(fleet_event("approvals", utc_now(), narrow_approvals, approvals=self.documents()))
 
     async def close(self) -> None:

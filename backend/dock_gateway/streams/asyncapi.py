@@ -13,7 +13,7 @@ from dock_gateway.http.openapi import COMPONENTS, NO_LOGIN, reachable
 from dock_gateway.http.operation import operation_of
 from dock_gateway.http.principal import TICKET
 from dock_gateway.streams import events, socket, topics
-from dock_gateway.streams.command_schema import ANSWERS, ANSWERS_TO, COMMAND_SCHEMAS, CommandError, SubscribeCommand
+from dock_gateway.streams.command_schema import ANSWERS, ANSWERS_TO, COMMAND_SCHEMAS, CommandError
 from dock_gateway.streams.schema import EVENTS, GOAL_EVENTS
 from dock_gateway.streams.topic_schema import ECHO_EVENTS
 
@@ -49,9 +49,7 @@ def asyncapi_document(openapi: Json, further: Models) -> Json:
     all_events: Models = (*EVENTS, *further, *ACTION_EVENTS)
     schemas: Json = openapi["components"]["schemas"]
     stream_query = {
-        name: field
-        for name, field in SubscribeCommand.model_json_schema()["properties"].items()
-        if name not in ("op", "id")
+        name: field for name, field in schemas["SubscribeCommand"]["properties"].items() if name not in ("op", "id")
     }
     commands: Models = (*COMMAND_SCHEMAS, *ANSWERS)
     channels = {

@@ -3,7 +3,7 @@
 from datetime import datetime
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, WithJsonSchema, WrapValidator
+from pydantic import BaseModel, ConfigDict, RootModel, WithJsonSchema, WrapValidator
 
 from dock_gateway.core.goal import Verb
 from dock_gateway.goals.schema import LiveGoal
@@ -12,6 +12,7 @@ from dock_gateway.operations.battery import MAX_RATE, MIN_RATE
 from dock_gateway.robots.schema import BatteryState, BatteryStateInput, Publisher
 from dock_gateway.stop.order import STOP_REQUEST
 from dock_gateway.stop.schema import StopProblem, StopReport, StopState
+from dock_gateway.streams.includes import Includes
 from dock_gateway.streams.queries import MAX_RATE as MAX_EVENTS
 from dock_gateway.streams.queries import MIN_RATE as MIN_EVENTS
 
@@ -52,6 +53,12 @@ class CancelGoalCommand(Command):
     goal_id: str
 
 
+class Include(RootModel[str]):
+    """A type of events, or a group of them: `system` or `fleet`."""
+
+    model_config = ConfigDict(json_schema_extra={"enum": [*Includes().names]})
+
+
 class SubscribeCommand(Command):
     """Start a subscription, named by the `id` of the command. Its fields are the parameters of `/ws/feedback`.
 
@@ -63,7 +70,7 @@ class SubscribeCommand(Command):
     goal_id: str | None = None
     action: str | None = None
     robot: str | None = None
-    include: list[str] | None = None
+    include: list[Include] | None = None
     after: str | None = None
     feedback: Annotated[Any, WithJsonSchema({"type": ["boolean", "null"]})] = None
     max_rate: Annotated[

@@ -43,11 +43,12 @@ SSE: dict[int | str, dict[str, Any]] = {
 async def feedback(websocket: WebSocket, parts: AllParts) -> None:
     """Send a snapshot, then every event as it happens.
 
-    `?goal_id=`, `?action=` and `?robot=` filter the events; `?include=` asks for more than goals: any of
-    `battery,cmd_vel,system,scene,scenes,robots,map,maps,scan,path`; `?feedback=false` omits feedback,
+    `?goal_id=`, `?action=` and `?robot=` filter the events; `?include=` asks for more than goals, by
+    the types of events or by `system` and `fleet`, with commas or repeated; `?feedback=false` omits feedback,
     `?max_rate=` limits its rate; `?after=` resumes.
     """
-    query = websocket.query_params
+    asked = websocket.query_params
+    query = {**asked, "include": ",".join(asked.getlist("include"))}
     after, max_rate = read_after(query), read_max_rate(query)
     principal = principal_of(websocket)
     with subscribed(parts, principal, await read_event_filter(parts, query, principal.grant)) as subscriber:

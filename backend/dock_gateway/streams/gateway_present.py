@@ -1,4 +1,7 @@
-"""The snapshot of a gateway for a reader: goals, the state of one robot, and all robots if asked for."""
+"""The present state of a gateway for a reader: goals, and what else was asked for of one robot and of all."""
+
+from collections.abc import Callable
+from typing import Any
 
 from dock_gateway.core.event import Event, fleet_event, notice, system_event, utc_now
 from dock_gateway.core.filters import EventFilter
@@ -14,6 +17,8 @@ from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.robots.simulator import Simulators
 from dock_gateway.stop.stopper import Stopper
 
+NARROW = {"robots": narrow_robots, "alerts": narrow_alerts, "approvals": narrow_approvals}
+
 
 class GatewayPresent:
     """The present state of a gateway.
@@ -24,55 +29,50 @@ class GatewayPresent:
 
     def __init__(self, parts: Parts) -> None:
         self._parts = parts
+        # By the type of the events that change it.
+        self._states: dict[str, Callable[[EventFilter], Any]] = {
+            "battery": lambda wanted: parts[RobotRegistry].get(wanted.robot).battery.document(),
+            "stop": lambda wanted: parts[Stopper].state(wanted.robot),
+            "battery_publisher": lambda wanted: parts[RobotRegistry].get(wanted.robot).publisher.document(),
+            "docking": lambda wanted: parts[ActionRegistry].servers_of(wanted.robot)._asdict(),
+            "simulator": lambda wanted: parts[Simulators].document(wanted.robot),
+            "robots": lambda wanted: parts[Fleet].documents(grant=wanted.grant or UNLIMITED),
+            "alerts": lambda wanted: parts[AlertBoard].documents(wanted.grant or UNLIMITED),
+            "approvals": lambda wanted: parts[Approvals].documents(wanted.grant or UNLIMITED),
+        }
+
+    def _states_of(self, event_filter: EventFilter) -> dict[str, Any]:
+        asked = event_filter.topics
+        if "action_server" in asked:
+            asked |= {"docking"}
+        return {kind: state(event_filter) for kind, state in self._states.items() if kind in asked}
 
     async def snapshot(self, event_filter: EventFilter, position: str) -> Event:
-        """Return running and recent goals; the robot's battery, stop and servers; robots and alerts if asked for."""
-        parts = self._parts
-        goals = await parts[Goals].recent(event_filter)
-        robot = parts[RobotRegistry].get(event_filter.robot)
-        dock, undock = parts[ActionRegistry].servers_of(event_filter.robot)
-        fleet = {}
-        if "robots" in event_filter.topics:
-            grant = event_filter.grant or UNLIMITED
-            fleet = {
-                "robots": parts[Fleet].documents(grant=grant),
-                "alerts": parts[AlertBoard].documents(grant),
-                "approvals": parts[Approvals].documents(grant),
-            }
+        """Return running and recent goals, and what else the reader asked for."""
+        goals = await self._parts[Goals].recent(event_filter)
         return notice(
             "snapshot",
             utc_now(),
             position=position,
             ends_goal=event_filter.goal_id is not None and all(goal.status.terminal for goal in goals),
             goals=[goal.document() for goal in goals],
-            battery=robot.battery.document(),
-            battery_publisher=robot.publisher.document(),
-            stop=parts[Stopper].state(robot.namespace),
-            action_server=dock,
-            undock_server=undock,
-            **fleet,
+            **self._states_of(event_filter),
         )
 
     def events(self, event_filter: EventFilter) -> list[Event]:
-        """Return the current state as events, for events that have no id and so are not replayed."""
-        parts = self._parts
-        name, now = event_filter.robot, utc_now()
-        robot = parts[RobotRegistry].get(name)
-        events = [
-            system_event("stop", parts[Stopper].state(robot.namespace), now, robot=name),
-            system_event("battery_publisher", robot.publisher.document(), now, robot=name),
-        ]
-        servers = parts[ActionRegistry].servers_of(name)
-        events.append(system_event("docking", servers._asdict(), now, robot=name))
+        """Return the current state as events, for a reader who resumes: battery states have an id and are replayed."""
+        robot, now = event_filter.robot, utc_now()
+        events = []
+        for kind, state in self._states_of(event_filter).items():
+            if kind in NARROW:
+                events.append(fleet_event(kind, now, NARROW[kind], **_whole(kind, state)))
+            elif kind != "battery" and state is not None:
+                events.append(system_event(kind, state, now, robot=robot))
+        servers = self._parts[ActionRegistry].servers_of(robot)
         events += [system_event("action_server", state, now, action_name=state.action_name) for state in servers]
-        if (simulator := parts[Simulators].document(name)) is not None:
-            events.append(system_event("simulator", simulator, now, robot=name))
-        wanted = [event for event in events if event_filter.covers(event)]
-        if "robots" in event_filter.topics:
-            grant = event_filter.grant or UNLIMITED
-            wanted.append(
-                fleet_event("robots", now, narrow_robots, robots=parts[Fleet].documents(grant=grant), gone=[])
-            )
-            wanted.append(fleet_event("alerts", now, narrow_alerts, alerts=parts[AlertBoard].documents(grant)))
-            wanted.append(fleet_event("approvals", now, narrow_approvals, approvals=parts[Approvals].documents(grant)))
-        return wanted
+        return [event for event in events if event_filter.covers(event)]
+
+
+def _whole(kind: str, state: Any) -> dict[str, Any]:
+    """Return the fields of an event with all robots, alerts or approvals."""
+    return {kind: state, "gone": []} if kind == "robots" else {kind: state}

@@ -18,14 +18,9 @@ from dock_gateway.http.requests import read_goal_id
 from dock_gateway.robots.robots import Robots
 from dock_gateway.setting_types import LONGEST_NAME, TOPIC
 from dock_gateway.settings import Settings
-
-
-class Includes(tuple[str, ...]):
-    """The topics of events that extensions add to `INCLUDES`."""
-
+from dock_gateway.streams.includes import Includes
 
 STREAM_QUERY = ("goal_id", "action", "robot", "include", "feedback")
-INCLUDES = ("battery", "cmd_vel", "system", "scene", "scenes", "robots")
 MIN_RATE, MAX_RATE = 0.01, 1000.0
 # Only describes the parameters: they are read as those of WebSockets are, with the same errors.
 FlagText = Annotated[str, WithJsonSchema({"type": "boolean"})]
@@ -117,14 +112,11 @@ async def read_event_filter(parts: Parts, query: Mapping[str, str], grant: Grant
     namespace = "/" if robot is None else read_namespace(robot)
     if action is not None and (len(action) > LONGEST_NAME or not TOPIC.fullmatch(action)):
         raise InvalidField([FieldError("action", "the name of an action", got(action), "query")])
-    names = [name.strip() for name in query.get("include", "").split(",") if name.strip()]
-    known = (*INCLUDES, *parts[Includes])
-    if unknown := [name for name in names if name not in known]:
-        raise InvalidField([FieldError("include", f"any of {', '.join(known)}", f"got {unknown[0][:60]!r}", "query")])
+    topics = parts[Includes].read(query.get("include", ""))
     kind = EventFilter if read_feedback(query) else WithoutFeedback
     goal = None if goal_id is None else await parts[Goals].get(read_goal_id(goal_id), grant)
     return kind(
-        topics=frozenset({"goals", *names}),
+        topics=topics | {"goals"},
         goal_id=None if goal is None else goal.goal_id,
         action_name=None if action is None else parts[Settings].resolve(action, None if robot is None else namespace),
         namespace=namespace,

@@ -1,7 +1,7 @@
 """Schemas of stream events, for the OpenAPI document: nothing is validated or encoded with them at run time."""
 
 from datetime import datetime
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -13,6 +13,9 @@ from dock_gateway.goals.schema import DockFeedbackMessage, DockResultMessage, Go
 from dock_gateway.http.schema import Schema
 from dock_gateway.robots.schema import Battery, BatteryState, Implausible, Publisher, Scene, Simulator
 from dock_gateway.stop.schema import StopState
+
+# The default of a field that is absent where it was not asked for; the document shows none.
+UNASKED: Any = Field(default_factory=dict)
 
 
 class Vector3(Schema):
@@ -30,10 +33,26 @@ class Twist(Schema):
     angular: Vector3
 
 
+class SystemEvent(Schema):
+    """An event of the group `system`: what a robot's page shows beside its messages."""
+
+
+class FleetEvent(Schema):
+    """An event of the group `fleet`: what an overview of all robots shows."""
+
+
+class DockingServers(Schema):
+    """The servers of a robot's docking and undocking actions."""
+
+    dock: ActionServer
+    undock: ActionServer
+
+
 class SnapshotEvent(Schema):
     """The first message of a stream. `id` is the last event before it, of whatever kind: resume after it.
 
-    `robots`, `alerts` and `approvals` are filled only with `include=robots`.
+    Besides goals it has only what `include` asks for: each such field is the state that events of the same type change.
+    `simulator` is null where there never was one.
     """
 
     model_config = ConfigDict(json_schema_serialization_defaults_required=False)
@@ -42,14 +61,14 @@ class SnapshotEvent(Schema):
     id: str
     time: datetime
     goals: list[LiveGoal]
-    battery: Battery
-    battery_publisher: Publisher
-    stop: StopState
-    action_server: ActionServer
-    undock_server: ActionServer
-    robots: list[Robot] = Field(default_factory=list)
-    alerts: list[Alert] = Field(default_factory=list)
-    approvals: list[Approval] = Field(default_factory=list)
+    battery: Battery = UNASKED
+    battery_publisher: Publisher = UNASKED
+    stop: StopState = UNASKED
+    docking: DockingServers = UNASKED
+    simulator: Simulator | None = UNASKED
+    robots: list[Robot] = UNASKED
+    alerts: list[Alert] = UNASKED
+    approvals: list[Approval] = UNASKED
 
 
 class StatusEvent(GoalSummary):
@@ -111,7 +130,7 @@ class CmdVelEvent(Schema):
     cmd_vel: Twist
 
 
-class PublisherEvent(Schema):
+class PublisherEvent(SystemEvent):
     """The state of the battery publisher: sent when it changes, and once a second while it publishes."""
 
     type: Literal["battery_publisher"]
@@ -120,7 +139,7 @@ class PublisherEvent(Schema):
     battery_publisher: Publisher
 
 
-class ActionServerEvent(Schema):
+class ActionServerEvent(SystemEvent):
     """An action server appeared, disappeared, stopped answering or answers again."""
 
     type: Literal["action_server"]
@@ -128,14 +147,7 @@ class ActionServerEvent(Schema):
     action_server: ActionServer
 
 
-class DockingServers(Schema):
-    """The servers of a robot's docking and undocking actions."""
-
-    dock: ActionServer
-    undock: ActionServer
-
-
-class DockingEvent(Schema):
+class DockingEvent(SystemEvent):
     """Another action is behind `/dock` or `/undock` of a robot."""
 
     type: Literal["docking"]
@@ -144,7 +156,7 @@ class DockingEvent(Schema):
     docking: DockingServers
 
 
-class StopEvent(Schema):
+class StopEvent(SystemEvent):
     """A stop was latched or released."""
 
     type: Literal["stop"]
@@ -153,7 +165,7 @@ class StopEvent(Schema):
     stop: StopState
 
 
-class SimulatorEvent(Schema):
+class SimulatorEvent(SystemEvent):
     """A simulated robot was changed by hand, touched or left its dock, or its simulator appeared or disappeared."""
 
     type: Literal["simulator"]
@@ -162,7 +174,7 @@ class SimulatorEvent(Schema):
     simulator: Simulator
 
 
-class RobotsEvent(Schema):
+class RobotsEvent(FleetEvent):
     """The current state of robots that changed; `gone` names those that left. At most twice a second."""
 
     type: Literal["robots"]
@@ -171,7 +183,7 @@ class RobotsEvent(Schema):
     gone: list[str]
 
 
-class AlertsEvent(Schema):
+class AlertsEvent(FleetEvent):
     """The alerts changed. Contains all active alerts."""
 
     type: Literal["alerts"]
@@ -179,7 +191,7 @@ class AlertsEvent(Schema):
     alerts: list[Alert]
 
 
-class ApprovalsEvent(Schema):
+class ApprovalsEvent(FleetEvent):
     """The goals of agents that wait for approval changed. Contains all that wait."""
 
     type: Literal["approvals"]

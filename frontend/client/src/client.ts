@@ -3,7 +3,7 @@ import { GoalHandle } from "./goal.ts";
 import { createHttp, deadline, type Http, named, newKey, settle, TIMEOUT_MS } from "./http.ts";
 import type { paths } from "./schema.gen.ts";
 import { EventStream } from "./stream.ts";
-import type { Battery, GatewayEvent, Goal, Robot, StopReport } from "./types.ts";
+import type { Battery, GatewayEvent, Goal, Include, Robot, StopReport } from "./types.ts";
 
 type Body<Path extends "/dock" | "/undock"> = NonNullable<
   paths[Path]["post"]["requestBody"]
@@ -30,7 +30,7 @@ export interface EventQuery {
   goal_id?: string;
   action?: string;
   robot?: string;
-  include?: readonly ("battery" | "cmd_vel" | "system" | "scene" | "scenes" | "robots")[];
+  include?: readonly Include[];
   feedback?: boolean;
   max_rate?: number;
   /** Id of the last event that is known: those since then come first, instead of a snapshot. */

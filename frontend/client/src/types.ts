@@ -40,6 +40,8 @@ export type CalibrationService = Schemas["CalibrationService"];
 export type BatteryHistory = Schemas["BatteryHistory"];
 export type GatewayEvent = Schemas["Event"];
 export type EventOf<Type extends GatewayEvent["type"]> = Extract<GatewayEvent, { type: Type }>;
+/** What `include` of a stream can name. */
+export type Include = Schemas["Include"];
 export type GoalSummary = Schemas["GoalState"];
 
 /** A robot, as `GET /robots` tells. */

@@ -138,7 +138,7 @@ function applySnapshot(state: FleetState, event: EventOf<"snapshot">, now: numbe
       naming: state.naming.updated(robots),
       alerts,
       approvals,
-      stop: event.stop,
+      stop: event.stop ?? NO_STOP,
       clockSkew: now - Date.parse(event.time),
     },
     null,

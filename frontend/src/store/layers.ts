@@ -1,4 +1,4 @@
-import type { GatewayEvent, Http, Pose, Scene } from "@dock-gateway/client";
+import type { GatewayEvent, Http, Include, Pose, Scene } from "@dock-gateway/client";
 import type { Point, Size, View } from "./geometry";
 
 export type Scheme = "light" | "dark";
@@ -11,9 +11,9 @@ export type Scheme = "light" | "dark";
 /** What an extension draws in the pictures of robots from above, and where its data come from. */
 export interface Layers {
   /** What it reads of a robot's stream (`?include=`). */
-  robotTopics: readonly string[];
+  robotTopics: readonly Include[];
   /** What it reads of a stream about all robots. */
-  fleetTopics: readonly string[];
+  fleetTopics: readonly Include[];
   /** Called when the stream of a robot is opened. @param robot Null for the one that the gateway is configured for. */
   ofRobot(http: Http, robot: string | null): RobotLayer;
   /** Called when a stream about all robots is opened. @param httpOf What asks the gateway of a robot. */

@@ -1,4 +1,4 @@
-import type { Http } from "@dock-gateway/client";
+import type { Http, Include } from "@dock-gateway/client";
 import { createGateway } from "../api/client";
 import { openStream, type StreamLocation, streamUrl } from "../stream/stream";
 import { BatterySeries, believed } from "./batterySeries";
@@ -12,7 +12,7 @@ export interface OpenRobot {
   close(): void;
 }
 
-const TOPICS = ["battery", "cmd_vel", "system", "scene"];
+const TOPICS: readonly Include[] = ["battery", "cmd_vel", "system", "scene"];
 
 /**
  * Reads along with one robot, the configured one for null, until it is closed.

@@ -1,7 +1,7 @@
-import type { EventOf, GatewayEvent } from "@dock-gateway/client";
+import type { Battery, EventOf, GatewayEvent } from "@dock-gateway/client";
 import { believed } from "./batterySeries";
 import { applyFeedback, applyResult, applyStatus, snapshotGoals } from "./goals";
-import { MAX_FEEDBACK, type State } from "./state";
+import { initialState, MAX_FEEDBACK, type State } from "./state";
 import { takeUp } from "./streamStore";
 
 /**
@@ -72,26 +72,31 @@ function applyEvent(state: State, event: GatewayEvent, now: number): State {
 }
 
 function applySnapshot(state: State, event: EventOf<"snapshot">, now: number): State {
-  const { state: battery, implausible, received_at, stale_after_s, low_below } = event.battery;
-  const servers = { actionServer: event.action_server, undockServer: event.undock_server };
+  const { docking, battery, battery_publisher, simulator } = event;
+  const servers = { actionServer: docking?.dock ?? null, undockServer: docking?.undock ?? null };
   return snapshotGoals(
     {
       ...state,
-      battery: {
-        state: battery === null ? null : believed({ ...event.battery, state: battery }),
-        implausible,
-        receivedAt: received_at === null ? null : Date.parse(received_at),
-        staleAfterS: stale_after_s,
-        lowBelow: low_below,
-      },
+      battery: battery === undefined ? initialState.battery : batteryOf(battery),
       cmdVel: { twist: null, receivedAt: null },
-      publisher: event.battery_publisher,
+      publisher: battery_publisher ?? null,
       ...servers,
-      stop: event.stop,
-      simulator: null,
+      stop: event.stop ?? initialState.stop,
+      simulator: simulator?.available ? simulator : null,
       clockSkew: now - Date.parse(event.time),
     },
     actionsOf(servers),
     event.goals,
   );
+}
+
+function batteryOf(battery: Battery): State["battery"] {
+  const { state, implausible, received_at, stale_after_s, low_below } = battery;
+  return {
+    state: state === null ? null : believed({ ...battery, state }),
+    implausible,
+    receivedAt: received_at === null ? null : Date.parse(received_at),
+    staleAfterS: stale_after_s,
+    lowBelow: low_below,
+  };
 }

@@ -28,7 +28,7 @@ class Scene:
         self.fanout = Fanout(queue_limit=10)
         self.store = EntriesInMemory[Acknowledgement]()
         self.boards: list[AlertBoard] = []
-        self.reader = self.fanout.subscribe(EventFilter(frozenset({"robots"})))
+        self.reader = self.fanout.subscribe(EventFilter(frozenset({"alerts"})))
 
     def board(self, **timing: float) -> AlertBoard:
         entries = SharedEntries(self.store)

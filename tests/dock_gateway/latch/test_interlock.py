@@ -59,7 +59,7 @@ class Gateway:
         self.all.append(self)
         self.file = LatchFile(path)
         self.fanout = Fanout(queue_limit=10)
-        self.reader = self.fanout.subscribe(EventFilter(frozenset({"system"})))
+        self.reader = self.fanout.subscribe(EventFilter(frozenset({"stop"})))
         self.interlock = Interlock(self.fanout, self.file, **{"echo_after": 0.02} | timing)
         self.topic = FakeTopic()
         self.interlock.join("/", self.topic)

@@ -32,8 +32,8 @@ from dock_gateway.stop.stopper import Stopper
 from dock_gateway.storage import History
 from dock_gateway.streams.events import EventStream, _sse_chunks, until_one_ends
 from dock_gateway.streams.gateway_present import GatewayPresent
+from dock_gateway.streams.includes import Includes
 from dock_gateway.streams.present import Present
-from dock_gateway.streams.queries import Includes
 from tests.support.history import HistoryInMemory
 from tests.support.tracking import A, S, Scene, scene
 

@@ -6,7 +6,8 @@ from dock_gateway.core.errors import InvalidField
 from dock_gateway.core.grant import UNLIMITED
 from dock_gateway.http.parts import Parts
 from dock_gateway.settings import Settings
-from dock_gateway.streams.queries import Includes, read_event_filter
+from dock_gateway.streams.includes import Includes
+from dock_gateway.streams.queries import read_event_filter
 
 
 @pytest.mark.parametrize("action", ["", "/", "dock\0", "/robot 1/dock", "/robot1//dock", "dock/"])

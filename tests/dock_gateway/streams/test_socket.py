@@ -25,7 +25,7 @@ from dock_gateway.robots.robots import Robots
 from dock_gateway.settings import Settings
 from dock_gateway.streams import socket as socket_module
 from dock_gateway.streams.commands import COMMANDS
-from dock_gateway.streams.queries import Includes
+from dock_gateway.streams.includes import Includes
 from dock_gateway.streams.socket import CommandSession
 from tests.support.audit import audit_parts
 from tests.support.history import HistoryInMemory

@@ -197,7 +197,7 @@ async def test_two_gateways_send_one_goal_and_both_publish_it_once(
 ) -> None:
     caplog.set_level("INFO")
     first, second = site.gateway(), site.gateway()
-    reader = site.fanout.subscribe(EventFilter(frozenset({"robots"})))
+    reader = site.fanout.subscribe(EventFilter(frozenset({"automation"})))
     await asyncio.sleep(0.1)
     await first.replace("low", AT_ONCE)
     (decision,) = await site.decided()

@@ -9,6 +9,7 @@ from dock_gateway.extensions.automation.decision import DecisionFields, WaitReas
 from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.http.resource import Versioned
 from dock_gateway.http.schema import Identified, Schema
+from dock_gateway.streams.schema import FleetEvent
 
 
 class RuleRobot(Schema):
@@ -70,7 +71,7 @@ class DecisionList(Schema):
     next_cursor: str | None
 
 
-class AutomationEvent(Schema):
+class AutomationEvent(FleetEvent):
     """A rule of automatic docking has decided, at any gateway that shares the history."""
 
     type: Literal["automation"]

@@ -32,7 +32,6 @@ extension = Extension(
     open_maps,
     settings=MapSettings,
     routes=lambda _: (router,),
-    includes=("map", "maps", "scan", "path"),
     events=(MapEvent, MapsEvent, ScanEvent, PathEvent),
     errors=CODES,
 )

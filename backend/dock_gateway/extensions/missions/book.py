@@ -222,7 +222,7 @@ class MissionBook(SharedEntries[MissionEntry]):
             return document if self._covers(mission, grant) else None
 
         document = {"type": "mission", "time": utc_now(), "mission": self.describe(mission_id, mission)}
-        self._fanout.publish(Event(encode(document), "missions", narrow=narrow))
+        self._fanout.publish(Event(encode(document), "mission", narrow=narrow))
 
 
 def missing(mission_id: str) -> NotFound:

@@ -62,7 +62,6 @@ extension = Extension(
     "missions",
     open_missions,
     routes=lambda _: (router,),
-    includes=("missions",),
     events=(MissionEvent,),
     errors=CODES,
 )

@@ -1,4 +1,4 @@
-import type { GatewayEvent, Scene, StreamHandlers } from "@dock-gateway/client";
+import type { GatewayEvent, Include, Scene, StreamHandlers } from "@dock-gateway/client";
 import { useState } from "react";
 import { useExtensions } from "../../extension/context";
 import { layersOf } from "../../extension/extension";
@@ -26,7 +26,7 @@ export class FleetScenes implements StreamHandlers {
    */
   constructor(
     readonly layers: readonly FleetLayer[],
-    topics: readonly string[] = [],
+    topics: readonly Include[] = [],
     private readonly nameOf: (robot: string) => string = (robot) => robot,
   ) {
     this.query = { include: ["scenes", ...topics].join(","), feedback: "false" };

@@ -219,7 +219,7 @@ async def test_so_does_one_by_rest_with_the_token_of_an_agent(world: World) -> N
     calling = asyncio.create_task(asyncio.to_thread(http.post, url, json={"order": 1}, headers=agents, timeout=60))
     approval = await asyncio.to_thread(waiting, world)
     assert (approval["agent"], approval["client"]) == ("bot", None)
-    with world.gateway.stream("?include=robots", headers=bearer(world.operator)) as stream:
+    with world.gateway.stream("?include=fleet", headers=bearer(world.operator)) as stream:
         assert stream.until_type("snapshot")["approvals"][0]["id"] == approval["id"]
         decided = http.put(
             f"/approvals/{approval['id']}/decision", json={"allow": True}, headers=bearer(world.operator)

@@ -64,7 +64,7 @@ def test_two_gateways_dock_a_robot_once(domain: int, database: str) -> None:
         running_dock_server(domain),
         running_gateway(domain, database_url=database) as first,
         running_gateway(domain, database_url=database) as second,
-        second.stream("?include=robots") as stream,
+        second.stream("?include=fleet") as stream,
     ):
         for gateway in (first, second):
             gateway.wait_until_ready()

@@ -61,7 +61,7 @@ def test_one_step_after_the_other(domain: int) -> None:
     with ready_gateway(domain) as gateway, running_program(domain, "fibonacci_action_server"):
         wait_until(lambda: gateway.http.get("/actions/fibonacci").status_code == 200, "the action")
         gateway.publish(LOW)
-        with gateway.stream("?include=missions") as stream:
+        with gateway.stream("?include=mission") as stream:
             first = post(gateway, DOCK, {"wait": {"seconds": 0.2}}, FIBONACCI, {"wait": {"person": True}}, name="Night")
             second = post(gateway, FIBONACCI)
             sooner = post(gateway, FIBONACCI, priority=90)

@@ -78,7 +78,7 @@ def test_a_hub_and_its_sites(berlin: RunningGateway, nats: NatsServer, folder: P
             hub.wait_for_site(name)
         wait_until(lambda: {robot["name"] for robot in hub.get("/robots")["robots"]} == {"/berlin", "/oslo"}, "robots")
         assert hub.get("/sites/oslo/session")["principal"]["name"] == "hub"
-        root = stack.enter_context(hub.stream("/ws/feedback?include=robots"))
+        root = stack.enter_context(hub.stream("/ws/feedback?include=fleet"))
         assert {site["name"] for site in until_event(root, type="snapshot")["sites"]} == {"berlin", "oslo"}
         own = stack.enter_context(hub.stream("/sites/berlin/ws/feedback?include=battery"))
         first = dock(hub, berlin)

@@ -47,7 +47,7 @@ def test_a_stop_reaches_a_site_that_was_away(shared_domain: int, tmp_path: Path)
         assert missed.json()["sites"]["berlin"]["repeated"]
         assert (missed.json()["stopped"], missed.json()["not_stopped"]) == ([], ["/berlin"])
         assert not hub.get("/stop")["latched"]
-        with hub.stream("/ws/feedback?include=robots") as stream:
+        with hub.stream("/ws/feedback?include=fleet") as stream:
             (site,) = until_event(stream, type="snapshot")["sites"]
             assert site["stop"]["pending"]["robots"] == ["/berlin"]
         hub.process.send_signal(signal.SIGKILL)
