@@ -336,7 +336,7 @@ describe("the stages of a goal", () => {
 
 describe("stop and simulator", () => {
   it("are as the last event says", () => {
-    const stop = { type: "stop", time: at(1), robot: "/", stop: latched("Ada") } as const;
+    const stop = { type: "stop", id: null, time: at(1), robot: "/", stop: latched("Ada") } as const;
     const told = { type: "simulator", time: at(1), robot: "/", simulator } as const;
     const state = stateAfter([snapshot(), stop, told]);
     expect(state.stop).toEqual(latched("Ada"));

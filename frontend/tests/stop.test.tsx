@@ -20,7 +20,7 @@ describe("a latched stop", () => {
     const { store } = renderPage(fakeGateway());
     expect(banner()).toBeNull();
     act(() =>
-      store.onEvent({ type: "stop", time: new Date().toISOString(), robot: "/", stop: latched("Ada") }),
+      store.onEvent({ type: "stop", id: null, time: new Date().toISOString(), robot: "/", stop: latched("Ada") }),
     );
     return waitFor(() => {
       expect(banner()?.textContent).toMatch(/^Robot stopped by Ada at \d/);
@@ -50,7 +50,7 @@ describe("a latched stop", () => {
     await user.click(await screen.findByRole("button", { name: "Release" }));
     expect(gateway.release).toHaveBeenCalledTimes(1);
     await waitFor(() => expect(banner()).toBeNull());
-    act(() => store.onEvent({ type: "stop", time: at(9), robot: "/", stop: released }));
+    act(() => store.onEvent({ type: "stop", id: null, time: at(9), robot: "/", stop: released }));
     await waitFor(() => expect(isDisabled("Dock")).toBe(false));
   });
 
@@ -127,7 +127,7 @@ describe("a warning of the gateway", () => {
   it("stays on the banner for as long as the stop is not stored", async () => {
     const { store } = renderPage(fakeGateway(), { stop: { ...latched("Ada"), persisted: false } });
     expect(banner()?.textContent).toMatch(/is not stored: a restart of the gateway would lose it/);
-    act(() => store.onEvent({ type: "stop", time: at(1), robot: "/", stop: latched("Ada") }));
+    act(() => store.onEvent({ type: "stop", id: null, time: at(1), robot: "/", stop: latched("Ada") }));
     await waitFor(() => expect(banner()?.textContent).not.toMatch(/is not stored/));
   });
 });
@@ -206,7 +206,7 @@ describe("the question whether to release a stop", () => {
     const { store, user } = renderPage(gateway, { robots }, "/ui/robot");
     await user.click(button("Release …"));
     const all = { ...latched("Grace"), robots: ["/", "/robot1", "/robot2"] };
-    act(() => store.onEvent({ type: "stop", time: at(1), robot: "/", stop: all }));
+    act(() => store.onEvent({ type: "stop", id: null, time: at(1), robot: "/", stop: all }));
     await waitFor(() => expect(banner()?.textContent).toMatch(/by Grace/));
     await user.click(button("Release"));
     await waitFor(() => expect(vi.mocked(gateway.release).mock.calls).toEqual([["/robot1"]]));
@@ -233,7 +233,7 @@ describe("a Stop that was not delivered", () => {
     await user.click(button("Stop"));
     expect(await screen.findByText("Stop was NOT delivered to any robot")).toBeDefined();
     act(() =>
-      store.onEvent({ type: "stop", time: new Date().toISOString(), robot: "/", stop: latched("Grace") }),
+      store.onEvent({ type: "stop", id: null, time: new Date().toISOString(), robot: "/", stop: latched("Grace") }),
     );
     expect(await screen.findByText("Stopped: Robot.")).toBeDefined();
     expect(screen.queryByText("Stop was NOT delivered to any robot")).toBeNull();

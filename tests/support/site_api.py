@@ -14,7 +14,7 @@ from starlette.responses import Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from dock_gateway.core.event import Event, notice, stamp_of, system_event
+from dock_gateway.core.event import Event, notice, stamp_of, stop_event
 from dock_gateway.core.fanout import Subscriber
 from dock_gateway.core.filters import EventFilter, WithoutFeedback
 from dock_gateway.core.goal import Goal, encode
@@ -149,7 +149,7 @@ class SiteApi:
             return [first] if after is None else [notice("gap", now, after=after, count=0), first]
         place = bisect.bisect_right(site.events, after, key=lambda event: event.id or "")
         missed = site.events[place:]
-        present = [system_event("stop", site.stop_state("/"), now, robot="/")] if "stop" in topics else []
+        present = [stop_event(site.stop_state("/"), None, robot="/")] if "stop" in topics else []
         state = [
             notice(kind, now, **{kind: value}, **({"gone": []} if kind == "robots" else {}))
             for kind, value in fleet.items()

@@ -12,7 +12,7 @@ from typing import Any
 
 import orjson
 
-from dock_gateway.core.event import Event, fleet_event, result_event, status_event, system_event
+from dock_gateway.core.event import Event, fleet_event, result_event, status_event, stop_event
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.core.narrowing import narrow_robots
@@ -189,7 +189,7 @@ class SimulatedSite:
     def _stops_changed(self) -> None:
         self._changed.update(self._robots)
         state = self.stop_state("/")
-        self.fanout.publish(system_event("stop", state, self.now(), robot="/"))
+        self.fanout.publish(stop_event(state, None, robot="/"))
 
     def _held(self, name: str) -> bool:
         return any(name.startswith(f"{robot.rstrip('/')}/") or name == robot for robot in self.stops)

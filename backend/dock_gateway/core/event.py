@@ -307,9 +307,20 @@ def overview_event(kind: str, payload: dict[str, dict[str, Any]], now: datetime,
 def system_event(
     kind: str, payload: object, now: datetime, *, robot: str | None = None, action_name: str | None = None
 ) -> Event:
-    """Return a system event: `battery_publisher`, `docking`, `stop` or `simulator` of a robot, or `action_server`."""
+    """Return a system event: `battery_publisher`, `docking` or `simulator` of a robot, or `action_server`."""
     document = {"type": kind, "time": now, kind: payload} | ({} if robot is None else {"robot": robot})
     return Event(encode(document), kind, robot=robot, action_name=action_name)
+
+
+def stop_event(state: object, stamp_ns: int | None, *, robot: str) -> Event:
+    """Return the event of a stop or its release. Without a stamp it is the present state: nothing that has happened.
+
+    Readers who resume get it, so that no stop that was released meanwhile is missed.
+    """
+    identity = None if stamp_ns is None else event_id(stamp_ns, "stop", robot)
+    now = utc_now() if stamp_ns is None else moment(stamp_ns)
+    document = {"type": "stop", "id": identity, "time": now, "robot": robot, "stop": state}
+    return Event(encode(document), "stop", id=identity, robot=robot, key=identity)
 
 
 def loss_event(goal_id: str, action_name: str, why: str, count: int, now: datetime) -> Event:

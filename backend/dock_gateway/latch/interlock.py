@@ -13,7 +13,7 @@ from types import MappingProxyType
 from typing import Any, Protocol
 
 from dock_gateway.core.errors import Conflict, Unavailable
-from dock_gateway.core.event import system_event, utc_now
+from dock_gateway.core.event import stop_event, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import is_under
 from dock_gateway.core.listeners import Listeners
@@ -98,6 +98,7 @@ class Interlock:
         self._documents: dict[str, dict[str, Any]] | None = None  # of every robot, until something changes
         self._shown: dict[str, dict[str, Any]] = {}
         self._showing: asyncio.Handle | None = None
+        self._unshown: set[str] = set()  # those that may have changed since the last event
         self._echoes: dict[str, asyncio.Task[None]] = {}  # topics that may not show the state
         self._held_by_others: set[str] = set()  # robots that only others hold, such as an emergency stop
         self._closing = False
@@ -200,6 +201,7 @@ class Interlock:
         self._held_by_others.difference_update(self._below(namespace))
         latch = Latch(utc_now(), by)
         names = self._below(namespace)
+        self._begin_change(names)
         # Also of robots that are held: a release of the earlier stop may be under way.
         self._stop_published_at.update(dict.fromkeys(names, math.inf))
         new = [name for name in names if self._latches.latch(name, latch) or self._latches.renew(name)]
@@ -219,6 +221,7 @@ class Interlock:
             if (by := self._topics[name].held_by()) is not None:
                 raise Conflict(f"{by} holds {name} stopped: release it there", code="stop_latched")
         over = self._latches.over(namespace)
+        self._begin_change([*self._below(namespace), over or namespace])
         if over is not None and not is_under(over, namespace):
             if over not in self._places:
                 raise Conflict(f"the stop of {over} holds for {namespace}, too: release that", code="stop_latched")
@@ -304,6 +307,7 @@ class Interlock:
             return
         if not latched and received <= self._stop_published_at.get(namespace, -math.inf):
             return
+        self._begin_change([namespace])
         log.warning("another gateway %s the stop of %s", "latched" if latched else "released", namespace)
         if latched:
             self._latches.latch(namespace, Latch(utc_now()))
@@ -325,6 +329,7 @@ class Interlock:
         """
         if self._closing:
             return
+        self._begin_change([namespace])
         if by is not None and self._latches.latch(namespace, Latch(utc_now(), by)):
             log.warning("%s holds %s stopped", by, namespace)
             self._held_by_others.add(namespace)
@@ -384,6 +389,12 @@ class Interlock:
 
     # ------------------------------------------------------------------ storing and notifying
 
+    def _begin_change(self, names: Collection[str]) -> None:
+        """Send the events of earlier stops and releases of these robots first: each has one."""
+        if self._showing is not None and not self._unshown.isdisjoint(names):
+            self._show()
+        self._unshown.update(names)
+
     def _changed(self) -> None:
         self._show_soon()
         self._writer.put(self._latches.held)
@@ -395,13 +406,15 @@ class Interlock:
             self._showing = asyncio.get_running_loop().call_soon(self._show)
 
     def _show(self) -> None:
-        self._showing = None
-        now = utc_now()
+        if self._showing is not None:
+            self._showing.cancel()
+            self._showing = None
+        self._unshown.clear()
         for namespace in self._topics:
             document = self.document(namespace)
             if document != self._shown.get(namespace):
                 self._shown[namespace] = document
-                self._fanout.publish(system_event("stop", document, now, robot=namespace))
+                self._fanout.publish(stop_event(document, self._fanout.clock.stamp(time.time_ns()), robot=namespace))
 
     async def close(self) -> None:
         """Store unsaved changes, unless the disk hangs."""

@@ -152,7 +152,8 @@ def event_row(event: Event) -> Row:
         "goal_id": event.goal_id,
         "action_name": event.action_name,
         "robot": event.robot,
-        "droppable": event.droppable,
+        # A stop must not be lost on the way, but belongs to no goal that it could be deleted with.
+        "droppable": event.droppable or event.goal_id is None,
         "size": len(event.data),
         "data": event.data,
         "key": event.key,

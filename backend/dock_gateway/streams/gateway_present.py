@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
-from dock_gateway.core.event import Event, fleet_event, notice, system_event, utc_now
+from dock_gateway.core.event import Event, fleet_event, notice, stop_event, system_event, utc_now
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import UNLIMITED
 from dock_gateway.core.narrowing import narrow_alerts, narrow_approvals, narrow_robots
@@ -66,10 +66,13 @@ class GatewayPresent:
         for kind, state in self._states_of(event_filter).items():
             if kind in NARROW:
                 events.append(fleet_event(kind, now, NARROW[kind], **_whole(kind, state)))
+            elif kind == "stop":
+                events.append(stop_event(state, None, robot=robot))
             elif kind != "battery" and state is not None:
                 events.append(system_event(kind, state, now, robot=robot))
-        servers = self._parts[ActionRegistry].servers_of(robot)
-        events += [system_event("action_server", state, now, action_name=state.action_name) for state in servers]
+        if "action_server" in event_filter.topics:
+            servers = self._parts[ActionRegistry].servers_of(robot)
+            events += [system_event("action_server", state, now, action_name=state.action_name) for state in servers]
         return [event for event in events if event_filter.covers(event)]
 
 

@@ -157,9 +157,10 @@ class DockingEvent(SystemEvent):
 
 
 class StopEvent(SystemEvent):
-    """A stop was latched or released."""
+    """A stop was latched or released. `id` is null in the present state, which a reader who resumes gets last."""
 
     type: Literal["stop"]
+    id: str | None
     time: datetime
     robot: str
     stop: StopState

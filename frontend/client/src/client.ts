@@ -294,7 +294,8 @@ function addressOf(url = "http://127.0.0.1:8000"): URL {
 /** Whether an event has not come before. */
 function isNew(event: GatewayEvent, seen: Set<string>): boolean {
   // The id of a snapshot and of a heartbeat is that of the last event before it.
-  if (!("id" in event) || event.type === "snapshot" || event.type === "heartbeat") return true;
+  if (!("id" in event) || event.id === null || event.type === "snapshot" || event.type === "heartbeat")
+    return true;
   if (seen.has(event.id)) return false;
   seen.add(event.id);
   const [oldest] = seen;

@@ -108,7 +108,8 @@ class Position {
 
   take(event: GatewayEvent): void {
     // Velocities are not kept for those who come back.
-    if ("id" in event && event.type !== "cmd_vel" && event.id > this.#after) this.#after = event.id;
+    const id = "id" in event && event.type !== "cmd_vel" ? event.id : null;
+    if (id !== null && id > this.#after) this.#after = id;
     // The past is gone; a snapshot follows.
     if (event.type === "gap") this.#after = "";
   }

@@ -18,8 +18,8 @@ export function takeUp<State extends StreamState>(
   // The smallest difference is the one with the least delay on the way.
   if (event.type === "heartbeat")
     return { ...state, clockSkew: Math.min(state.clockSkew, now - Date.parse(event.time)) };
-  // The id of a snapshot is that of the last event before it.
-  if (!("id" in event) || event.type === "snapshot") return apply(state, event, now);
+  // The id of a snapshot is that of the last event before it. The present state has none.
+  if (!("id" in event) || event.id === null || event.type === "snapshot") return apply(state, event, now);
   if (state.seen.has(event.id)) return state;
   return apply({ ...state, seen: remember(state.seen, event.id) }, event, now);
 }

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import sqlalchemy as sa
 
-from dock_gateway.core.event import Event, feedback_event, nanoseconds, result_event, status_event
+from dock_gateway.core.event import Event, feedback_event, nanoseconds, result_event, status_event, stop_event, time_id
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.settings import Settings
 from dock_gateway.storage import History, open_history, retention
@@ -229,3 +229,19 @@ async def test_the_longest_and_largest_that_can_be_set(database_url: str, tmp_pa
         kept = await keep(history, [made(1, 10_000)], feedback=1)
         assert await history.retention.enforce() == 0
         assert await left(history) == [event.id for event in kept]
+
+
+async def test_stops_go_with_battery_events_though_no_slow_reader_misses_them(
+    database_url: str, tmp_path: Path
+) -> None:
+    now = time.time_ns()
+    old, new = (stop_event({"latched": True}, now - hours * HOUR_NS, robot="/") for hours in (2, 0))
+    assert not (old.droppable or new.droppable)
+    async with open_at(database_url, tmp_path, event_age=3600) as history:
+        for event in (old, new):
+            history.record_event(event)
+        await written(history)
+        assert await history.retention.enforce() == 1
+        assert await left(history) == [new.id]
+        assert await follows(history, old.id or "", "stop") == 1
+        assert await follows(history, time_id(now - 3 * HOUR_NS), "stop") is None
