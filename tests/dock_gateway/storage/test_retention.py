@@ -236,7 +236,7 @@ async def test_stops_go_with_battery_events_though_no_slow_reader_misses_them(
 ) -> None:
     now = time.time_ns()
     old, new = (stop_event({"latched": True}, now - hours * HOUR_NS, robot="/") for hours in (2, 0))
-    assert not (old.droppable or new.droppable)
+    assert [event.droppable for event in (old, new)] == [False, False]
     async with open_at(database_url, tmp_path, event_age=3600) as history:
         for event in (old, new):
             history.record_event(event)
