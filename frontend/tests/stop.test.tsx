@@ -20,7 +20,13 @@ describe("a latched stop", () => {
     const { store } = renderPage(fakeGateway());
     expect(banner()).toBeNull();
     act(() =>
-      store.onEvent({ type: "stop", id: null, time: new Date().toISOString(), robot: "/", stop: latched("Ada") }),
+      store.onEvent({
+        type: "stop",
+        id: null,
+        time: new Date().toISOString(),
+        robot: "/",
+        stop: latched("Ada"),
+      }),
     );
     return waitFor(() => {
       expect(banner()?.textContent).toMatch(/^Robot stopped by Ada at \d/);
@@ -233,7 +239,13 @@ describe("a Stop that was not delivered", () => {
     await user.click(button("Stop"));
     expect(await screen.findByText("Stop was NOT delivered to any robot")).toBeDefined();
     act(() =>
-      store.onEvent({ type: "stop", id: null, time: new Date().toISOString(), robot: "/", stop: latched("Grace") }),
+      store.onEvent({
+        type: "stop",
+        id: null,
+        time: new Date().toISOString(),
+        robot: "/",
+        stop: latched("Grace"),
+      }),
     );
     expect(await screen.findByText("Stopped: Robot.")).toBeDefined();
     expect(screen.queryByText("Stop was NOT delivered to any robot")).toBeNull();
