@@ -181,7 +181,7 @@ async def readyz(request: Request, parts: AllParts, robot: RobotQuery = None) ->
     if robot is not None and not sees_everything:
         raise not_covered("robots by name here")
     name, robots = overview.find(robot), overview.find_robots(UNLIMITED, robot)
-    dock, undock = servers_of(robots, name)
+    dock, undock = servers_of(robots, name).values()
     stop, names = stop_of(robots), overview.namespaces()
     if not sees_everything:
         stats, stop, names = replace(stats, last_error=None), {**stop, "by": None, "robots": []}, []
