@@ -3761,6 +3761,12 @@ export interface components {
             expected: string;
         };
         /**
+         * Include
+         * @description A type of events, or a group of them: `system` or `fleet`.
+         * @enum {string}
+         */
+        Include: "battery" | "cmd_vel" | "battery_publisher" | "action_server" | "docking" | "stop" | "simulator" | "robots" | "alerts" | "approvals" | "scene" | "scenes" | "system" | "fleet" | "map" | "maps" | "scan" | "path" | "automation" | "mission";
+        /**
          * Infrared
          * @description Readings of the infrared receivers at the robot's front, in m; null if nothing is detected.
          */
@@ -5200,7 +5206,8 @@ export interface components {
          * SnapshotEvent
          * @description The first message of a stream. `id` is the last event before it, of whatever kind: resume after it.
          *
-         *     `robots`, `alerts` and `approvals` are filled only with `include=robots`.
+         *     Besides goals it has only what `include` asks for: each such field is the state that events of the same type change.
+         *     `simulator` is null where there never was one.
          */
         SnapshotEvent: {
             /**
@@ -5217,11 +5224,11 @@ export interface components {
             time: string;
             /** Goals */
             goals: components["schemas"]["LiveGoal"][];
-            battery: components["schemas"]["Battery"];
-            battery_publisher: components["schemas"]["Publisher"];
-            stop: components["schemas"]["StopState"];
-            action_server: components["schemas"]["ActionServer"];
-            undock_server: components["schemas"]["ActionServer"];
+            battery?: components["schemas"]["Battery"];
+            battery_publisher?: components["schemas"]["Publisher"];
+            stop?: components["schemas"]["StopState"];
+            docking?: components["schemas"]["DockingServers"];
+            simulator?: components["schemas"]["Simulator"] | null;
             /** Robots */
             robots?: components["schemas"]["Robot"][];
             /** Alerts */
@@ -5446,7 +5453,7 @@ export interface components {
         };
         /**
          * StopEvent
-         * @description A stop was latched or released.
+         * @description A stop was latched or released. `id` is null in the present state, which a reader who resumes gets last.
          */
         StopEvent: {
             /**
@@ -5454,6 +5461,8 @@ export interface components {
              * @enum {string}
              */
             type: "stop";
+            /** Id */
+            id: string | null;
             /**
              * Time
              * Format: date-time
@@ -5704,7 +5713,7 @@ export interface components {
             /** Robot */
             robot?: string | null;
             /** Include */
-            include?: string[] | null;
+            include?: components["schemas"]["Include"][] | null;
             /** After */
             after?: string | null;
             /** Feedback */
