@@ -53,7 +53,7 @@ export function useFreshMissions(): void {
     // What has changed while there was no connection has no event.
     const onConnection = ({ kind }: { kind: string }) =>
       kind === "snapshot" && void client.invalidateQueries({ queryKey: KEY });
-    return openStream(streamUrl(window.location, { include: "missions", feedback: "false" }), {
+    return openStream(streamUrl(window.location, { include: "mission", feedback: "false" }), {
       onEvent,
       onConnection,
     });
