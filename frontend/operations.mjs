@@ -33,7 +33,8 @@ function limitsIn(schema, path = "") {
 
 const roles = requests.flatMap(({ name, operation }) => {
   const { "x-role": role, "x-every-robot": everyRobot = false } = operation;
-  return role === undefined ? [] : `  "${name}": { role: "${role}", everyRobot: ${everyRobot} },\n`;
+  const forAll = role === undefined || (role === "viewer" && !everyRobot);
+  return forAll ? [] : `  "${name}": ["${role}", ${everyRobot}],\n`;
 });
 const LIMITED =
   /^(PUT \/(automation|webhooks)\/.*|PUT \/label|PUT \/goals\/{goal_id}\/tags|PUT \/session\/password|POST \/(session|tokens|missions|goals\/{goal_id}\/notes))$/;
@@ -45,7 +46,7 @@ const limits = requests.flatMap(({ name, operation }) => {
 
 const HEAD = "// Made from openapi.json by `npm run types`.\n\n";
 const written = {
-  "src/api/operations.gen.ts": `${HEAD}/** By request: the least role that it needs, and whether it is about every robot. */
+  "src/api/operations.gen.ts": `${HEAD}/** By request, but for those that every user may make: the least role, and whether it is about every robot. */
 export const OPERATIONS = {
 ${roles.join("")}} as const;
 `,

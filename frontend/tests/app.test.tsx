@@ -378,7 +378,7 @@ describe("publishing", () => {
             ? topic("/dock_gateway", "/driver")
             : request.url.endsWith("/automation/rules")
               ? { rules: [] }
-              : {},
+              : { missions: [] },
       ),
     );
     vi.stubGlobal("fetch", fetch);

@@ -136,7 +136,14 @@ describe("a goal that ran when the page was opened", () => {
       { type: "status", time: ago(13), stage: "CONTROLLING" },
     ];
     const fetch = vi.fn(async (_: Request) =>
-      Response.json({ events: statuses, next_after: null, complete: true, node: "/dock_gateway", rules: [] }),
+      Response.json({
+        events: statuses,
+        next_after: null,
+        complete: true,
+        node: "/dock_gateway",
+        rules: [],
+        missions: [],
+      }),
     );
     vi.stubGlobal("fetch", fetch);
     renderPage(fakeGateway(), {

@@ -135,7 +135,7 @@ export type Command = keyof typeof OPERATIONS;
 export function whyForbidden(command: Command): string | null {
   const { principal } = session.state;
   if (principal === null) return "Your login has ended. Log in first.";
-  const { role, everyRobot } = OPERATIONS[command];
+  const [role, everyRobot] = OPERATIONS[command];
   if (ROLES.indexOf(principal.role) < ROLES.indexOf(role))
     // People are no agents.
     return `Needs the role ${role === "agent" ? "operator" : role}; you are ${principal.role}.`;

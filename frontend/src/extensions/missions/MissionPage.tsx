@@ -7,8 +7,8 @@ import { Trouble } from "../../ui/errors";
 import { ReasonButton } from "../../ui/ReasonButton";
 import { PageTitle, Section } from "../../ui/Section";
 import { againPath, MissionCard } from "./MissionCard";
-import { useFreshMissions, useMission } from "./missions";
-import { hasEnded } from "./queue";
+import { useMission } from "./missions";
+import { hasEnded, useFreshMissions } from "./openMissions";
 import type { Mission } from "./requests";
 import { missionName } from "./words";
 

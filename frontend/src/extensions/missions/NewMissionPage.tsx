@@ -49,8 +49,9 @@ import {
   withMoved,
   withRefused,
 } from "./draft";
-import { useFreshMissions, useMission, useOpenMissions } from "./missions";
+import { useMission } from "./missions";
 import classes from "./missions.module.css";
+import { useFreshMissions, useOpenMissions } from "./openMissions";
 import { queuesOf } from "./queue";
 import { createMission } from "./requests";
 import { StepCard } from "./StepCard";

@@ -13,5 +13,5 @@ export const extension: Extension = {
     { path: "/ui/missions/new", Page: lazyPart(() => import("./NewMissionPage")), at: "gateway" },
     { path: "/ui/missions/:missionId", Page: lazyPart(() => import("./MissionPage")), at: "gateway" },
   ],
-  parts: { robotColumn: lazyPart(() => import("./RobotMission")) },
+  parts: { robotColumn: lazyPart(() => import("./openMissions")) },
 };

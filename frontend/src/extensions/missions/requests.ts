@@ -12,17 +12,8 @@ type Page = Schemas["MissionList"];
 /** What can be done to a mission that has not ended. */
 export type Verb = "pause" | "continue" | "skip" | "cancel";
 
-const OPEN: MissionStatus[] = ["queued", "running", "held", "canceling"];
 const ENDED: MissionStatus[] = ["succeeded", "failed", "canceled"];
-/** As many as have not ended at most. */
-const MOST_OPEN = 500;
 const ENDED_PAGE = 20;
-
-/** Those that have not ended. @param robot Only those of this robot; of all for null. */
-export async function listOpen(http: Http, robot: string | null): Promise<Mission[]> {
-  const query = { status: OPEN, limit: MOST_OPEN, ...(robot !== null && { robot }) };
-  return (await settle(http.GET("/missions", { params: { query }, signal: deadline() }))).missions;
-}
 
 /** A page of the ended ones, newest first. */
 export function listEnded(http: Http, cursor: string | null): Promise<Page> {

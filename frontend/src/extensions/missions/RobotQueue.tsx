@@ -2,15 +2,13 @@ import { Anchor, Group, Stack, Text } from "@mantine/core";
 import { Link } from "react-router";
 import { Section } from "../../ui/Section";
 import { MissionBadge, missionPath } from "./MissionCard";
-import { useFreshMissions, useOpenMissions } from "./missions";
 import classes from "./missions.module.css";
 import { queuesOf } from "./queue";
+import type { Mission } from "./requests";
 import { holdOf, missionName, stepWords } from "./words";
 
-/** The mission that a robot is on, and how many wait; nothing where there is none. */
-export default function RobotMission({ robot }: { robot: string }) {
-  useFreshMissions();
-  const { data: missions = [] } = useOpenMissions(robot);
+/** The mission that a robot is on, and how many wait. */
+export default function RobotQueue({ missions }: { missions: readonly Mission[] }) {
   const [queue] = queuesOf(missions);
   if (queue === undefined) return null;
   const { active, next } = queue;
