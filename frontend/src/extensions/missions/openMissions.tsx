@@ -5,7 +5,7 @@ import { useFleet, useFleetLive } from "../../fleet/context";
 import { openStream, streamUrl } from "../../stream/stream";
 import { lazyPart } from "../../ui/lazyPart";
 import { useAnswer } from "../../ui/requests";
-import type { Mission, MissionStatus } from "./requests";
+import type { Mission, MissionList, MissionStatus } from "./requests";
 
 /** Under which the page keeps missions: all, those that have not ended, the ended ones, one by its id. */
 export const KEY = ["missions"] as const;
@@ -34,6 +34,7 @@ export function useOpenMissions(robot: string | null = null) {
   return useAnswer({
     queryKey: [...OPEN, robot],
     queryFn: () => listOpen(http, robot),
+    select: ({ missions }) => missions,
     enabled: useFleetLive(),
     staleTime: Number.POSITIVE_INFINITY,
   });
@@ -56,10 +57,11 @@ export function useFreshMissions(): void {
 
 /** Takes up what an event says of a mission. */
 export function take(client: QueryClient, mission: Mission): void {
-  for (const [key, known] of client.getQueriesData<Mission[]>({ queryKey: OPEN })) {
+  for (const [key, known] of client.getQueriesData<MissionList>({ queryKey: OPEN })) {
     const robot = key[OPEN.length];
     if (robot !== null && robot !== mission.robot) continue;
-    if (known !== undefined) client.setQueryData(key, withMission(known, mission));
+    if (known !== undefined)
+      client.setQueryData(key, { ...known, missions: withMission(known.missions, mission) });
     // What is being read may be from before the event.
     if (client.isFetching({ queryKey: key, exact: true }))
       void client.invalidateQueries({ queryKey: key, exact: true });
@@ -69,9 +71,9 @@ export function take(client: QueryClient, mission: Mission): void {
 }
 
 /** Those that have not ended. @param robot Only those of this robot; of all for null. */
-async function listOpen(http: Http, robot: string | null): Promise<Mission[]> {
+function listOpen(http: Http, robot: string | null): Promise<MissionList> {
   const query = { status: OPEN_STATES, limit: MOST_OPEN, ...(robot !== null && { robot }) };
-  return (await settle(http.GET("/missions", { params: { query }, signal: deadline() }))).missions;
+  return settle(http.GET("/missions", { params: { query }, signal: deadline() }));
 }
 
 const RobotQueue = lazyPart(() => import("./RobotQueue"));

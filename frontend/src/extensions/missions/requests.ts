@@ -7,7 +7,7 @@ export type Mission = Schemas["Mission"];
 export type MissionStep = Schemas["MissionStep"];
 export type MissionStatus = Schemas["MissionStatus"];
 export type Reason = Schemas["Reason"];
-type Page = Schemas["MissionList"];
+export type MissionList = Schemas["MissionList"];
 
 /** What can be done to a mission that has not ended. */
 export type Verb = "pause" | "continue" | "skip" | "cancel";
@@ -16,7 +16,7 @@ const ENDED: MissionStatus[] = ["succeeded", "failed", "canceled"];
 const ENDED_PAGE = 20;
 
 /** A page of the ended ones, newest first. */
-export function listEnded(http: Http, cursor: string | null): Promise<Page> {
+export function listEnded(http: Http, cursor: string | null): Promise<MissionList> {
   const query = { status: ENDED, limit: ENDED_PAGE, ...(cursor !== null && { cursor }) };
   return settle(http.GET("/missions", { params: { query }, signal: deadline() }));
 }

@@ -6,7 +6,7 @@ import { session } from "../../../src/api/session";
 import "../../../src/extensions/missions/MissionPage";
 import "../../../src/extensions/missions/MissionsPage";
 import "../../../src/extensions/missions/NewMissionPage";
-import "../../../src/extensions/missions/RobotMission";
+import "../../../src/extensions/missions/openMissions";
 import type { StreamHandlers } from "@dock-gateway/client";
 import { withField } from "../../../src/actions/form/draft";
 import {
