@@ -10,7 +10,7 @@ import { Time } from "../../ui/Time";
 import { MissionSteps } from "./MissionSteps";
 import { useMissionCommand } from "./missions";
 import classes from "./missions.module.css";
-import { hasEnded } from "./openMissions";
+import { hasEnded } from "./queue";
 import type { Mission, MissionStatus, Verb } from "./requests";
 import { errorWords, holdOf, missionName, nowWords, STATUSES, stepWords, tookWords } from "./words";
 

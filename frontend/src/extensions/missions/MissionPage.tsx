@@ -6,9 +6,10 @@ import { robotPath } from "../../fleet/names";
 import { Trouble } from "../../ui/errors";
 import { ReasonButton } from "../../ui/ReasonButton";
 import { PageTitle, Section } from "../../ui/Section";
+import { useFreshMissions } from "./freshMissions";
 import { againPath, MissionCard } from "./MissionCard";
 import { useMission } from "./missions";
-import { hasEnded, useFreshMissions } from "./openMissions";
+import { hasEnded } from "./queue";
 import type { Mission } from "./requests";
 import { missionName } from "./words";
 

@@ -3,7 +3,7 @@ import { Link } from "react-router";
 import { goalPath } from "../../fleet/names";
 import { Time } from "../../ui/Time";
 import classes from "./missions.module.css";
-import { hasEnded } from "./openMissions";
+import { hasEnded } from "./queue";
 import type { Mission, MissionStep } from "./requests";
 import { errorDetail, errorWords, optionWords, STEP_STATES, stepWords } from "./words";
 

@@ -49,9 +49,10 @@ import {
   withMoved,
   withRefused,
 } from "./draft";
+import { useFreshMissions } from "./freshMissions";
 import { useMission } from "./missions";
 import classes from "./missions.module.css";
-import { useFreshMissions, useOpenMissions } from "./openMissions";
+import { useOpenMissions } from "./openMissions";
 import { queuesOf } from "./queue";
 import { createMission } from "./requests";
 import { StepCard } from "./StepCard";

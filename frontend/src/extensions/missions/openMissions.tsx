@@ -1,15 +1,12 @@
-import { deadline, type GatewayEvent, type Http, settle } from "@dock-gateway/client";
-import { type QueryClient, useQueryClient } from "@tanstack/react-query";
-import { useEffect } from "react";
+import { deadline, type Http, settle } from "@dock-gateway/client";
 import { useFleet, useFleetLive } from "../../fleet/context";
-import { openStream, streamUrl } from "../../stream/stream";
 import { lazyPart } from "../../ui/lazyPart";
 import { useAnswer } from "../../ui/requests";
-import type { Mission, MissionList, MissionStatus } from "./requests";
+import type { MissionList, MissionStatus } from "./requests";
 
 /** Under which the page keeps missions: all, those that have not ended, the ended ones, one by its id. */
 export const KEY = ["missions"] as const;
-const OPEN = [...KEY, "open"] as const;
+export const OPEN = [...KEY, "open"] as const;
 export const ENDED = [...KEY, "ended"] as const;
 export const ONE = [...KEY, "one"] as const;
 
@@ -17,19 +14,13 @@ const OPEN_STATES: MissionStatus[] = ["queued", "running", "held", "canceling"];
 /** As many as have not ended at most. */
 const MOST_OPEN = 500;
 
-/** Whether no other state follows. */
-export function hasEnded({ status }: Pick<Mission, "status">): boolean {
-  return status === "succeeded" || status === "failed" || status === "canceled";
-}
-
-/** The missions that have not ended, after one has changed. */
-export function withMission(missions: readonly Mission[], changed: Mission): Mission[] {
-  const others = missions.filter(({ mission_id }) => mission_id !== changed.mission_id);
-  return hasEnded(changed) ? others : [...others, changed];
-}
-
-/** The missions that have not ended, renewed by `useFreshMissions`. @param robot Only those of this robot; of all for null. */
-export function useOpenMissions(robot: string | null = null) {
+/**
+ * The missions that have not ended. `useFreshMissions` keeps them as they are.
+ *
+ * @param robot Only those of this robot; of all for null.
+ * @param everyMs How often they are asked for, where nothing keeps them.
+ */
+export function useOpenMissions(robot: string | null = null, everyMs: number | false = false) {
   const { http } = useFleet();
   return useAnswer({
     queryKey: [...OPEN, robot],
@@ -37,37 +28,8 @@ export function useOpenMissions(robot: string | null = null) {
     select: ({ missions }) => missions,
     enabled: useFleetLive(),
     staleTime: Number.POSITIVE_INFINITY,
+    refetchInterval: everyMs,
   });
-}
-
-/** Keeps missions as the gateway says that they are, by its events. */
-export function useFreshMissions(): void {
-  const client = useQueryClient();
-  useEffect(() => {
-    const onEvent = (event: GatewayEvent) => event.type === "mission" && take(client, event.mission);
-    // What has changed while there was no connection has no event.
-    const onConnection = ({ kind }: { kind: string }) =>
-      kind === "snapshot" && void client.invalidateQueries({ queryKey: KEY });
-    return openStream(streamUrl(window.location, { include: "mission", feedback: "false" }), {
-      onEvent,
-      onConnection,
-    });
-  }, [client]);
-}
-
-/** Takes up what an event says of a mission. */
-export function take(client: QueryClient, mission: Mission): void {
-  for (const [key, known] of client.getQueriesData<MissionList>({ queryKey: OPEN })) {
-    const robot = key[OPEN.length];
-    if (robot !== null && robot !== mission.robot) continue;
-    if (known !== undefined)
-      client.setQueryData(key, { ...known, missions: withMission(known.missions, mission) });
-    // What is being read may be from before the event.
-    if (client.isFetching({ queryKey: key, exact: true }))
-      void client.invalidateQueries({ queryKey: key, exact: true });
-  }
-  client.setQueryData<Mission>([...ONE, mission.mission_id], (known) => known && mission);
-  if (hasEnded(mission)) void client.invalidateQueries({ queryKey: ENDED });
 }
 
 /** Those that have not ended. @param robot Only those of this robot; of all for null. */
@@ -78,9 +40,11 @@ function listOpen(http: Http, robot: string | null): Promise<MissionList> {
 
 const RobotQueue = lazyPart(() => import("./RobotQueue"));
 
+/** How often a robot's page looks, in ms: a stream of its own would be one more connection of every page. */
+const LOOK_MS = 5000;
+
 /** The missions of a robot that have not ended; nothing, also to load, where there is none. */
 export default function RobotMission({ robot }: { robot: string }) {
-  useFreshMissions();
-  const { data: missions = [] } = useOpenMissions(robot);
+  const { data: missions = [] } = useOpenMissions(robot, LOOK_MS);
   return missions.length > 0 && <RobotQueue missions={missions} />;
 }

@@ -1,5 +1,9 @@
-import { hasEnded } from "./openMissions";
 import type { Mission } from "./requests";
+
+/** Whether no other state follows. */
+export function hasEnded({ status }: Pick<Mission, "status">): boolean {
+  return status === "succeeded" || status === "failed" || status === "canceled";
+}
 
 /** Whether it has begun and not ended: it has its robot. */
 export function isActive(mission: Pick<Mission, "status" | "started_at">): boolean {
@@ -28,4 +32,10 @@ export function queuesOf(missions: readonly Mission[]): Queue[] {
 /** The highest priority first, then the oldest. */
 function byTurn(one: Mission, other: Mission): number {
   return other.priority - one.priority || Date.parse(one.created_at) - Date.parse(other.created_at);
+}
+
+/** The missions that have not ended, after one has changed. */
+export function withMission(missions: readonly Mission[], changed: Mission): Mission[] {
+  const others = missions.filter(({ mission_id }) => mission_id !== changed.mission_id);
+  return hasEnded(changed) ? others : [...others, changed];
 }

@@ -24,8 +24,7 @@ import {
   withMoved,
   withRefused,
 } from "../../../src/extensions/missions/draft";
-import { withMission } from "../../../src/extensions/missions/openMissions";
-import { queuesOf } from "../../../src/extensions/missions/queue";
+import { queuesOf, withMission } from "../../../src/extensions/missions/queue";
 import type { Mission, MissionStep } from "../../../src/extensions/missions/requests";
 import { errorWords, holdOf, missionName, nowWords, stepWords } from "../../../src/extensions/missions/words";
 import { robot } from "../../events";
