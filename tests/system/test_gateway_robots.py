@@ -95,7 +95,8 @@ def labels(gateway: RunningGateway) -> dict[str, dict[str, Any]]:
 def test_a_robot_is_labeled(gateway: RunningGateway) -> None:
     label, path = LABELED[FIRST], f"/label?robot={FIRST}"
     with gateway.stream("?include=robots&feedback=false") as stream:
-        assert gateway.http.put(path, json=label).raise_for_status().json() == {"robot": FIRST, **label}
+        answer = gateway.http.put(path, json=label).raise_for_status()
+        assert answer.json() == {"robot": FIRST, **label, "etag": answer.headers["ETag"]}
         assert labels(gateway) == LABELED
         stream.until(lambda event: (of(event, FIRST) or {}).get("display_name") == "Left forklift")
     taken = gateway.http.put(f"/label?robot={SECOND}", json=label)
