@@ -9,6 +9,7 @@ from contextlib import ExitStack
 import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 
+from dock_gateway.extension_list import OURS
 from tests.browser.axe import find_violations
 from tests.browser.width import expect_no_sideways_scrolling
 from tests.support.gateway import RunningGateway, running_dock_server, running_gateway
@@ -223,13 +224,13 @@ def test_the_pages_are_in_one_row(page: Page) -> None:
     links = page.get_by_role("navigation", name="Pages").get_by_role("link")
     for width in (820, 1024, 1345, 1440, 1920):  # from 1345 on beside the name and Stop
         page.set_viewport_size({"width": width, "height": 900})
-        expect(links).to_have_count(7)
+        expect(links).to_have_count(5 + sum(name in OURS for name in PAGES_OF_EXTENSIONS.values()))
         tops = links.evaluate_all("(links) => links.map((link) => link.getBoundingClientRect().top)")
         assert len(set(tops)) == 1, width
         expect_no_sideways_scrolling(page)
 
 
-PAGES_OF_EXTENSIONS = {"Statistics": "statistics", "Automatic docking": "automation"}
+PAGES_OF_EXTENSIONS = {"Missions": "missions", "Statistics": "statistics", "Automatic docking": "automation"}
 
 
 @pytest.mark.parametrize("width", [320, 390])
@@ -237,7 +238,17 @@ def test_on_a_phone_the_pages_are_in_a_menu_and_none_scrolls_sideways(page: Page
     page.set_viewport_size({"width": width, "height": 800})
     pages = page.get_by_role("navigation", name="Pages")
     menu = pages.get_by_role("button", name="Pages")
-    names = ("Map", "Goals", "Actions", "Statistics", "Automatic docking", "Graph", "Notifications", "Overview")
+    names = (
+        "Map",
+        "Goals",
+        "Missions",
+        "Actions",
+        "Statistics",
+        "Automatic docking",
+        "Graph",
+        "Notifications",
+        "Overview",
+    )
     for name in (name for name in names if is_there(name, PAGES_OF_EXTENSIONS)):
         expect(pages.get_by_role("link")).to_have_count(0)
         menu.press("Enter")

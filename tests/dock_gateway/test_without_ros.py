@@ -9,7 +9,7 @@ from dock_gateway.extension_list import OURS, PACKAGE
 from dock_hub.settings import EXTENSIONS
 
 ROOT = Path(__file__).parents[2]
-CONTRACT = "a hub needs no ROS"
+CONTRACT = "a hub, and what it imports of the gateway, needs no ROS"
 # A name that is None is not found.
 PROGRAM = """
 import sys

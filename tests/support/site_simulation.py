@@ -176,6 +176,7 @@ class SimulatedSite:
             "failed": [],
             "unconfirmed": [],
             "stop": self.stop_state(robots[0] if robots else "/"),
+            "others": [],
             "warning": None,
         }
 

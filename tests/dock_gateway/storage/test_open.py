@@ -1,5 +1,6 @@
 """Where the history is kept follows from the settings."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -10,12 +11,12 @@ from dock_gateway.storage import HistoryStats, Spool, open_history
 from tests.support.history import make_goal, page_of
 
 
-async def test_in_the_data_directory_of_the_user(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_in_the_data_directory_of_the_user(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ROS_DOMAIN_ID", "7")
     async with open_history(Settings()) as history:
         await history.add(make_goal(1))
         assert history.stats().database_reachable
-    assert (tmp_path / "data" / "dock-gateway" / "history-7-localhost.db").exists()
+    assert (Path(os.environ["XDG_DATA_HOME"]) / "dock-gateway" / "history-7-localhost.db").exists()
     async with open_history(Settings()) as history:
         assert await history.get("goal-0001") is not None
     monkeypatch.setenv("ROS_DOMAIN_ID", "8")

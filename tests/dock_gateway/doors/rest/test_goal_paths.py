@@ -13,6 +13,7 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.goals.goal_documents import GoalDocuments
 from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.known_robots import KnownRobots
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
@@ -46,6 +47,7 @@ class OneGoal(Parts):
                 **audit_parts(),
                 Settings: SETTINGS,
                 Quotas: Quotas(SETTINGS),
+                KnownRobots: SimpleNamespace(require=self._require),
                 Goals: SimpleNamespace(get=self._get, page=self._page),
                 Fanout: Fanout(queue_limit=1),
                 GoalDocuments: GoalDocuments(HistoryInMemory()),
@@ -53,6 +55,9 @@ class OneGoal(Parts):
                 type(actions): actions,
             }
         )
+
+    async def _require(self, *_: object) -> None:
+        """Every robot is known."""
 
     async def _get(self, _: str, *__: object) -> Goal:
         return self._goal
