@@ -1,5 +1,6 @@
 """Tells a robot that was never there from one that has no goals."""
 
+from collections.abc import Awaitable, Callable
 from contextlib import suppress
 
 from dock_gateway.core.errors import NotFound
@@ -34,12 +35,15 @@ class KnownRobots:
         self._actions = actions
         self._history = history
 
-    async def require(self, robot: str | None, grant: Grant) -> None:
+    async def require(
+        self, robot: str | None, grant: Grant, further: Callable[[str], Awaitable[bool]] | None = None
+    ) -> None:
         """Refuse a namespace in which no robot is known. One that the grant does not cover is not looked up.
 
         Args:
             robot: The namespace, as a request names it; None if it names none.
             grant: The grant of who asks.
+            further: Returns whether a robot that is not known otherwise is in what is asked for.
 
         Raises:
             InvalidField: The namespace is not valid.
@@ -48,7 +52,9 @@ class KnownRobots:
         """
         if robot is None or not grant.covers_robot(name := read_namespace(robot)) or self._is_here(name):
             return
-        if not (await self._actions.had_goals(name) or await self._history.has_battery(name)):
+        if await self._actions.had_goals(name) or await self._history.has_battery(name):
+            return
+        if further is None or not await further(name):
             raise NotFound(f"there is no robot {name}, and the history has none", code="robot_not_found")
 
     def _is_here(self, name: str) -> bool:

@@ -9,7 +9,6 @@ from pydantic import StringConstraints
 from starlette.responses import Response
 
 from dock_gateway.core.audit import AuditFilter, AuditRow, RequestOutcome
-from dock_gateway.core.errors import NotFound
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Role
@@ -58,11 +57,11 @@ async def read_audit_filter(
         NotFound: There is and was no such robot, and no record is about it (`robot_not_found`).
     """
     namespace = None if robot is None else read_namespace(robot)
-    try:
-        await known_robots.require(robot, grant)
-    except NotFound:
-        if not await history.audit.page(AuditFilter(robot=namespace), limit=1):
-            raise
+
+    async def has_record(name: str) -> bool:
+        return bool(await history.audit.page(AuditFilter(robot=name), limit=1))
+
+    await known_robots.require(robot, grant, has_record)
     return AuditFilter(
         principal,
         what,

@@ -100,6 +100,14 @@ class DecisionLog(SharedEntries[DecisionEntry]):
             if decision.outcome is DecisionOutcome.SENDING and decision.decided_at < before
         }
 
+    async def has(self, robot: str) -> bool:
+        """Return whether there is a decision about a robot.
+
+        Raises:
+            Unavailable: The history does not answer (`history_unavailable`).
+        """
+        return any(decision.robot == robot for decision in (await self.read()).values())
+
     async def page(
         self,
         *,

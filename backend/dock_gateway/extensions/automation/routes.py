@@ -5,7 +5,6 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Query
 from starlette.responses import Response
 
-from dock_gateway.core.errors import NotFound
 from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.extensions.automation.docking import AutomaticDocking
@@ -94,11 +93,7 @@ async def list_decisions(
 ) -> Answer[DecisionList]:
     """List the decisions of all gateways that share the history, newest first. The last 1000 are kept."""
     namespace = None if robot is None else read_namespace(robot)
-    try:
-        await known_robots.require(robot, grant)
-    except NotFound:
-        if not (await automation.decisions.page(robot=namespace, limit=1))[0]:
-            raise
+    await known_robots.require(robot, grant, automation.decisions.has)
     found, end = await automation.decisions.page(
         robot=namespace,
         rule_id=rule,
