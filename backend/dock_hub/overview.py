@@ -40,7 +40,7 @@ MAX_PUBLISHED = 512 * 1024
 # The fields of a site that change all the time. A change of the others is published.
 RESTLESS = frozenset({"lag_ms", "round_trip_ms", "clock_offset_s", "cursor"})
 Document = dict[str, Any]
-NO_STOP: Document = {"latched": False, "stopped_at": None, "by": None, "robots": [], "persisted": True}
+NO_STOP: Document = together(())
 NO_SERVER: Document = {"action_name": "", "action_type": "", "available": False, "answering": False, "duplicate": False}
 # A hub has the batteries of robots in `robots`, and publishes none.
 NO_BATTERY: Document = {
