@@ -20,6 +20,9 @@ class EntriesInMemory(Entries[EntryT]):
     async def read(self) -> dict[str, EntryT]:
         return dict(self.known)
 
+    async def get(self, key: str) -> EntryT | None:
+        return (await self.read()).get(key)
+
     async def write(
         self,
         key: str,

@@ -51,6 +51,14 @@ class Entries(Generic[EntryT]):
         """
         return await self._reader.read(self._read)
 
+    async def get(self, key: str) -> EntryT | None:
+        """Return one entry; None if there is none.
+
+        Raises:
+            Unavailable: The database does not answer (`history_unavailable`).
+        """
+        return (await self._reader.read(self._read, key)).get(key)
+
     async def write(
         self,
         key: str,
@@ -72,8 +80,8 @@ class Entries(Generic[EntryT]):
         """
         await self._writer.write(self._write, key, entry, check, dependency)
 
-    def _read(self, connection: sa.Connection) -> dict[str, EntryT]:
-        rows = connection.execute(self._all)
+    def _read(self, connection: sa.Connection, key: str | None = None) -> dict[str, EntryT]:
+        rows = connection.execute(self._all if key is None else self._all.where(documents.c.key == key))
         return {key: self._json.validate_json(document, extra="ignore") for key, document in rows}
 
     def _write(

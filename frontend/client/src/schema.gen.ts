@@ -3715,10 +3715,11 @@ export interface components {
         };
         /**
          * HoldReason
-         * @description Why a mission does not go on until somebody continues it.
+         * @description Why a mission does not go on until a person continues it.
          *
-         *     `stop`: the robot was stopped. `canceled`: somebody canceled the goal of its step. `lost`: contact was lost during
-         *     that, and it takes too long. `person`: its step waits for that. `paused`: somebody paused it.
+         *     `stop`: the robot was stopped. `canceled`: the goal of its step was canceled, and not by the mission. `lost`:
+         *     contact was lost during that goal, and it takes too long. `person`: its step waits for a person. `paused`: it was
+         *     paused.
          * @enum {string}
          */
         HoldReason: "stop" | "canceled" | "lost" | "person" | "paused";
@@ -5977,7 +5978,7 @@ export interface components {
          * WaitStep
          * @description One thing to wait for.
          *
-         *     `seconds`; a time, `until`; a charge of the battery (0 to 1), `battery`; or `person`: until somebody continues the
+         *     `seconds`; a time, `until`; a charge of the battery (0 to 1), `battery`; or `person`: until a person continues the
          *     mission.
          */
         WaitStep: {

@@ -97,7 +97,8 @@ def test_a_goal_that_takes_too_long_is_canceled_first() -> None:
     assert next_move(mission, ended(GoalStatus.EXECUTING), after(29)) == Wait(WaitsFor.GOAL, after(30))
     mission = changed(mission, ended(GoalStatus.EXECUTING), 30)
     assert mission.current.status is StepStatus.RUNNING
-    assert next_move(mission, ended(GoalStatus.EXECUTING), after(30)) == Cancel()
+    running = ended(GoalStatus.EXECUTING)
+    assert next_move(mission, running, after(30)) == Cancel(running.goal)
     failed = changed(mission, ended(GoalStatus.CANCELED), 31)
     assert failed.error == progress.TIMEOUT
     late = changed(mission, ended(GoalStatus.SUCCEEDED), 31)
@@ -177,8 +178,8 @@ def test_a_step_is_left_out() -> None:
 
 def test_a_mission_is_canceled_with_its_goal() -> None:
     canceling = progress.cancel(sent(DOCK, UNDOCK), after(5))
-    assert next_move(canceling, ended(GoalStatus.EXECUTING), after(5)) == Cancel()
-    assert next_move(canceling, ended(GoalStatus.LOST), after(5)) == Cancel()
+    for facts in (ended(GoalStatus.EXECUTING), ended(GoalStatus.LOST)):
+        assert next_move(canceling, facts, after(5)) == Cancel(facts.goal)
     for facts in (ended(GoalStatus.CANCELED), Facts(), Facts(goal=goal(GoalStatus.LOST), given_up=True)):
         mission = changed(canceling, facts, 6)
         assert (mission.status, mission.steps[0].status) == (MissionStatus.CANCELED, StepStatus.CANCELED)

@@ -93,11 +93,11 @@ class MissionMachine(RuleBasedStateMachine):
                     self.store(gateway, after)
             case Send():
                 self.send(gateway, mission, killed=killed)
-            case Cancel():
-                assert facts.goal is not None
-                self.server.asked_to_cancel.add(facts.goal.goal_id)
-                if facts.goal.status is GoalStatus.LOST:
-                    self.given_up.add(facts.goal.goal_id)
+            case Cancel(goal):
+                assert goal is facts.goal
+                self.server.asked_to_cancel.add(goal.goal_id)
+                if goal.status is GoalStatus.LOST:
+                    self.given_up.add(goal.goal_id)
 
     def send(self, gateway: int, mission: MissionEntry, *, killed: bool) -> None:
         key = (mission.step, mission.current.attempt)

@@ -9,9 +9,10 @@ import pytest
 from dock_gateway.core.errors import Conflict, FieldError, InvalidField
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.grant import Grant, Role
+from dock_gateway.extensions.missions.actions import covers
 from dock_gateway.extensions.missions.book import MAX_MISSIONS, MissionBook
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
-from dock_gateway.extensions.missions.missions import Missions, covers
+from dock_gateway.extensions.missions.missions import Missions
 from tests.support.history import HistoryInMemory
 from tests.support.route_client import RouteClient
 

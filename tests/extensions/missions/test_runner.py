@@ -11,6 +11,7 @@ import pytest
 from dock_gateway.core.errors import Conflict, GatewayError, NotFound, Unavailable
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalStatus
+from dock_gateway.core.grant import UNLIMITED
 from dock_gateway.core.share import EVERYTHING
 from dock_gateway.extensions.missions import progress
 from dock_gateway.extensions.missions.book import MissionBook
@@ -37,10 +38,10 @@ class Server:
         self.there = True
         self.listeners: list[Callable[[Goal], None]] = []
 
-    async def read_goal(self, request: object) -> object:
+    async def read_goal(self, request: object, _: str) -> object:
         return request
 
-    def read_docking_request(self, request: object) -> object:
+    def read_docking_request(self, request: object, _: str) -> object:
         return request
 
     async def submit(self, _: object, key: str, *, sender: object) -> Goal:
@@ -231,7 +232,7 @@ def test_a_goal_that_a_stop_refuses_holds_the_mission(code: str) -> None:
         book = site.runners[0].book
         held = book.all()["a"]
         assert (held.status, held.held_for, held.current.status) == (MissionStatus.HELD, "stop", "waiting")
-        await book.amend("a", lambda mission: progress.resume(mission, now()))
+        await book.amend("a", UNLIMITED, lambda mission: progress.resume(mission, now()))
         assert (await site.ended()).steps[0].attempt == 2
 
     run()
@@ -248,7 +249,7 @@ async def test_a_stop_that_does_not_stay_holds_what_runs_and_nothing_later() -> 
     assert runner.book.all()["a"].held_for == "stop"
     assert not runner.has_work("/")
     runner.on_stop("/")  # it is held already: that must not hold it again later
-    await runner.book.amend("a", lambda mission: progress.resume(mission, now()))
+    await runner.book.amend("a", UNLIMITED, lambda mission: progress.resume(mission, now()))
     runner.wake()
     assert (await site.ended()).status is MissionStatus.SUCCEEDED
 
@@ -261,7 +262,7 @@ async def test_a_mission_that_is_canceled_while_another_gateway_sends_its_goal()
     await site.add(DOCK)
     await asyncio.sleep(0.005)  # the goal is on its way
     other = site.runners[1]
-    await other.book.amend("a", lambda mission: progress.cancel(mission, now()))
+    await other.book.amend("a", UNLIMITED, lambda mission: progress.cancel(mission, now()))
     other.wake()
     assert (await site.ended()).status is MissionStatus.CANCELED
     await asyncio.sleep(10)
@@ -279,5 +280,5 @@ async def test_a_lost_goal_is_given_up_and_nothing_moves_by_itself() -> None:
     await asyncio.sleep(1000)
     book = site.runners[0].book
     assert (book.all()["a"].held_for, len(site.server.goals)) == ("lost", 1)
-    await book.amend("a", lambda mission: progress.cancel(mission, now()))
+    await book.amend("a", UNLIMITED, lambda mission: progress.cancel(mission, now()))
     assert (await site.ended()).status is MissionStatus.CANCELED

@@ -4,20 +4,22 @@ import logging
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from dock_gateway.core.cursor import Cursor
+from dock_gateway.core.cursor import Cursor, newest
 from dock_gateway.core.errors import Conflict, NotFound, limit_reached
 from dock_gateway.core.event import Event, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import encode
-from dock_gateway.core.grant import Grant
+from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
 from dock_gateway.storage import Entries
 from dock_gateway.storage.shared_entries import SharedEntries
 
 log = logging.getLogger(__name__)
 
-# Missions that have not ended, of all robots, and ended ones that are kept.
-MAX_MISSIONS, MAX_ENDED = 500, 1000
+# The missions that have not ended, of all robots together.
+MAX_MISSIONS = 500
+# The ended ones that are kept.
+MAX_ENDED = 1000
 
 Covers = Callable[[MissionEntry, Grant], bool]
 
@@ -66,14 +68,14 @@ class MissionBook(SharedEntries[MissionEntry]):
         self.waits = {key: reason for key, reason in self.waits.items() if key in missions}
         return missions
 
-    async def add(self, mission_id: str, mission: MissionEntry) -> bool:
-        """Store a new mission; return whether it is new. It is the same one if a request was sent twice.
+    async def add(self, mission_id: str, mission: MissionEntry) -> MissionEntry:
+        """Store a new mission; return it, or the first one as it is now if the request was sent twice.
 
         Raises:
             Conflict: There are too many (`limit_reached`), or the id is that of another one (`idempotency_key_reused`).
             Unavailable: The history does not answer (`history_unavailable`).
         """
-        first = (await self._past.read()).get(mission_id)
+        first = await self._past.get(mission_id)
 
         def check(stored: Mapping[str, MissionEntry]) -> None:
             nonlocal first
@@ -88,9 +90,9 @@ class MissionBook(SharedEntries[MissionEntry]):
         except Conflict:
             if first is None or not _is_same(first, mission):
                 raise
-            return False
+            return first
         self._published(mission_id, mission)
-        return True
+        return mission
 
     async def change(self, mission_id: str, before: MissionEntry, after: MissionEntry) -> bool:
         """Store a change, unless another one was first; return whether it was stored.
@@ -129,72 +131,67 @@ class MissionBook(SharedEntries[MissionEntry]):
         if mission is not None:
             self._publish(mission_id, mission)
 
-    async def amend(self, mission_id: str, revise: Callable[[MissionEntry], MissionEntry]) -> MissionEntry:
-        """Change a mission as somebody wishes; return it.
+    async def amend(
+        self, mission_id: str, grant: Grant, revise: Callable[[MissionEntry], MissionEntry]
+    ) -> MissionEntry:
+        """Change a mission for a person; return it.
 
         Args:
             mission_id: Its id.
+            grant: What the person may do.
             revise: Returns the mission with the change, or raises if that cannot be made.
 
         Raises:
-            NotFound: `mission_not_found`.
+            NotFound: There is none, or the grant does not cover it (`mission_not_found`).
             Conflict: It has ended (`mission_ended`).
             Unavailable: The history does not answer (`history_unavailable`); nothing has changed.
         """
         while True:
-            before = await self.find(mission_id)
+            before = await self.find(mission_id, grant)
             if before.status.ended:
                 raise Conflict(f"the mission is {before.status.value}", code="mission_ended")
             after = revise(before)
             if after is before or await self.change(mission_id, before, after):
                 return after
 
-    async def find(self, mission_id: str) -> MissionEntry:
+    async def find(self, mission_id: str, grant: Grant = UNLIMITED) -> MissionEntry:
         """Return a mission.
 
         Raises:
-            NotFound: `mission_not_found`.
+            NotFound: There is none, or the grant does not cover it (`mission_not_found`).
             Unavailable: The history does not answer (`history_unavailable`).
         """
-        mission = (await self.read()).get(mission_id) or (await self._past.read()).get(mission_id)
-        if mission is None:
-            raise missing(mission_id)
+        mission = (await self.read()).get(mission_id) or await self._past.get(mission_id)
+        if mission is None or not self._covers(mission, grant):
+            raise NotFound(f"there is no mission {mission_id}", code="mission_not_found")
         return mission
 
     async def document(self, mission_id: str, grant: Grant) -> Mapping[str, Any]:
         """Return a mission as `GET /missions/{mission_id}` shows it.
 
         Raises:
-            NotFound: There is none, or the grant does not cover it (`mission_not_found`).
-            Unavailable: The history does not answer (`history_unavailable`).
+            NotFound, Unavailable: As `find`.
         """
-        mission = await self.find(mission_id)
-        if not self._covers(mission, grant):
-            raise missing(mission_id)
-        return self.describe(mission_id, mission)
+        return self.describe(mission_id, await self.find(mission_id, grant))
 
     async def page(
-        self, robot: str | None, statuses: frozenset[MissionStatus], grant: Grant, limit: int, before: Cursor | None
-    ) -> tuple[list[Mapping[str, Any]], str | None]:
-        """Return a page of the missions of a grant, newest first, and the cursor of the next one if there are more.
+        self, robot: str | None, statuses: frozenset[MissionStatus], grant: Grant, limit: int, end: Cursor | None
+    ) -> tuple[list[Mapping[str, Any]], Cursor | None]:
+        """Return a page of the missions of a grant, newest first, and where it ends if there are more.
 
         Raises:
             Unavailable: The history does not answer (`history_unavailable`).
         """
         missions = {**await self._past.read(), **await self.read()}
-        found = sorted(
-            (
-                Cursor(mission.created_at, mission_id)
-                for mission_id, mission in missions.items()
-                if robot in (None, mission.robot)
-                and (not statuses or mission.status in statuses)
-                and self._covers(mission, grant)
-            ),
-            reverse=True,
+        found = (
+            Cursor(mission.created_at, mission_id)
+            for mission_id, mission in missions.items()
+            if robot in (None, mission.robot)
+            and (not statuses or mission.status in statuses)
+            and self._covers(mission, grant)
         )
-        rest = [place for place in found if before is None or place < before]
-        page = [self.describe(place.id, missions[place.id]) for place in rest[:limit]]
-        return page, rest[limit - 1].encode() if len(rest) > limit else None
+        places, end = newest(found, limit, end)
+        return [self.describe(place.id, missions[place.id]) for place in places], end
 
     def describe(self, mission_id: str, mission: MissionEntry) -> Mapping[str, Any]:
         """Return a mission as the API shows it."""
@@ -225,19 +222,10 @@ class MissionBook(SharedEntries[MissionEntry]):
         self._fanout.publish(Event(encode(document), "mission", narrow=narrow))
 
 
-def missing(mission_id: str) -> NotFound:
-    """Return the error that there is no such mission."""
-    return NotFound(f"there is no mission {mission_id}", code="mission_not_found")
-
-
 def _is_same(first: MissionEntry, again: MissionEntry) -> bool:
     """Return whether two requests asked for the same mission."""
 
     def asked(mission: MissionEntry) -> tuple[object, ...]:
-        steps = [{name: getattr(step, name) for name in _ASKED} for step in mission.steps]
-        return mission.robot, mission.name, mission.priority, steps
+        return mission.robot, mission.name, mission.priority, [step.asked for step in mission.steps]
 
     return asked(first) == asked(again)
-
-
-_ASKED = ("dock", "undock", "action", "wait", "timeout_s", "tries", "on_failure")

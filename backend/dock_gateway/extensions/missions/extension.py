@@ -7,10 +7,11 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.share import Share
 from dock_gateway.core.tasks import closed_by
 from dock_gateway.extension import Extension
+from dock_gateway.extensions.missions.actions import covers
 from dock_gateway.extensions.missions.book import MissionBook
 from dock_gateway.extensions.missions.error_codes import CODES
 from dock_gateway.extensions.missions.mission import MissionEntry
-from dock_gateway.extensions.missions.missions import Missions, covers
+from dock_gateway.extensions.missions.missions import Missions
 from dock_gateway.extensions.missions.routes import router
 from dock_gateway.extensions.missions.runner import MissionRunner
 from dock_gateway.extensions.missions.schema import MissionEvent

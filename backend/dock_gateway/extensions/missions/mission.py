@@ -1,7 +1,7 @@
 """A mission as it is stored: its steps, and how far they have come. Plain data; `progress.py` has the rules."""
 
 from collections.abc import Mapping
-from datetime import datetime
+from datetime import datetime, timedelta
 from enum import StrEnum
 from typing import Annotated, Any
 
@@ -32,10 +32,11 @@ class MissionStatus(StrEnum):
 
 
 class HoldReason(StrEnum):
-    """Why a mission does not go on until somebody continues it.
+    """Why a mission does not go on until a person continues it.
 
-    `stop`: the robot was stopped. `canceled`: somebody canceled the goal of its step. `lost`: contact was lost during
-    that, and it takes too long. `person`: its step waits for that. `paused`: somebody paused it.
+    `stop`: the robot was stopped. `canceled`: the goal of its step was canceled, and not by the mission. `lost`:
+    contact was lost during that goal, and it takes too long. `person`: its step waits for a person. `paused`: it was
+    paused.
     """
 
     STOP = "stop"
@@ -85,6 +86,22 @@ class StepEntry(StepFields):
     error: Reason | None = None
     tried: int = 0
     retry_at: datetime | None = None
+
+    @property
+    def has_goal(self) -> bool:
+        """Whether its goal is to be sent, or was sent and may be running."""
+        return self.status is StepStatus.RUNNING and self.wait is None
+
+    @property
+    def fails_at(self) -> datetime | None:
+        """When this try has taken too long; None: there is no limit."""
+        if self.started_at is None or self.timeout_s is None:
+            return None
+        return self.started_at + timedelta(seconds=self.timeout_s)
+
+    def is_late(self, now: datetime) -> bool:
+        """Return whether this try has taken too long."""
+        return self.fails_at is not None and now >= self.fails_at
 
 
 class MissionFields(Schema):

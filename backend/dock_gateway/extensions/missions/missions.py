@@ -7,7 +7,8 @@ from dock_gateway.core.errors import Conflict
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant
 from dock_gateway.extensions.missions import progress
-from dock_gateway.extensions.missions.book import MissionBook, missing
+from dock_gateway.extensions.missions.actions import action_of, actions_of, read_goal
+from dock_gateway.extensions.missions.book import MissionBook
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
 from dock_gateway.extensions.missions.runner import MissionRunner
 from dock_gateway.extensions.missions.schema import MissionBody
@@ -60,9 +61,9 @@ class Missions:
         for name in actions_of(mission, self._robot_actions):
             grant.require_action(name)
         await self._require_goals(mission)
-        await self.book.add(mission_id, mission)
+        added = await self.book.add(mission_id, mission)
         self._runner.wake()
-        return await self.book.document(mission_id, grant)
+        return self.book.describe(mission_id, added)
 
     async def _require_goals(self, mission: MissionEntry) -> None:
         """Check the goals of the steps whose actions are there; the others are checked when they are sent.
@@ -71,14 +72,10 @@ class Missions:
             InvalidField: One is not a goal of its action; its path begins with that of the step.
         """
         for number, step in enumerate(mission.steps):
-            if step.action is not None:
-                action, path = self._actions.get(step.action.name), f"steps.{number}.action.goal"
-                if action is not None:
-                    await action.read_goal(step.request, path)
-            elif step.verb is not None:
-                action = self._actions.get(self._robot_actions.docking_name(step.verb, mission.robot))
-                if action is not None:
-                    action.read_docking_request(step.request, f"steps.{number}.{step.verb}")
+            name = action_of(step, mission.robot, self._robot_actions)
+            action = None if name is None else self._actions.get(name)
+            if action is not None:
+                await read_goal(step, action, f"steps.{number}")
 
     async def cancel(self, mission_id: str, grant: Grant) -> Mapping[str, Any]:
         """End a mission; return it.
@@ -136,21 +133,6 @@ class Missions:
     async def _amend(
         self, mission_id: str, grant: Grant, revise: Callable[[MissionEntry], MissionEntry]
     ) -> Mapping[str, Any]:
-        mission = await self.book.find(mission_id)
-        if not covers(mission, grant, self._robot_actions):
-            raise missing(mission_id)
-        revised = await self.book.amend(mission_id, revise)
+        revised = await self.book.amend(mission_id, grant, revise)
         self._runner.wake()
         return self.book.describe(mission_id, revised)
-
-
-def actions_of(mission: MissionEntry, robot_actions: RobotActions) -> set[str]:
-    """Return the names of the actions that a mission sends goals to."""
-    named = {step.action.name for step in mission.steps if step.action is not None}
-    verbs = {step.verb for step in mission.steps if step.verb is not None}
-    return named | {robot_actions.docking_name(verb, mission.robot) for verb in verbs}
-
-
-def covers(mission: MissionEntry, grant: Grant, robot_actions: RobotActions) -> bool:
-    """Return whether a grant covers the robot of a mission, and all actions that it sends goals to."""
-    return grant.covers_robot(mission.robot) and all(map(grant.covers_action, actions_of(mission, robot_actions)))

@@ -75,6 +75,8 @@ class Send:
 class Cancel:
     """The goal of the present step is to be canceled."""
 
+    goal: Goal
+
 
 @dataclass(frozen=True)
 class Wait:
@@ -125,41 +127,38 @@ def _begin(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
 def _follow(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
     """Return what comes next while the present step is running."""
     step = mission.current
-    began = step.started_at or now
-    fails_at = step.ends_at(began)
-    late = fails_at is not None and now >= fails_at
     if step.wait is None:
-        return _follow_goal(mission, facts, now, fails_at if not late else None, late=late)
+        return _follow_goal(mission, facts, now)
     if _is_over(mission, facts, now):
         return Change(succeed(mission, now))
-    if late:
+    if step.is_late(now):
         return Change(fail(mission, TIMEOUT, now))
     if step.wait.battery is not None:
-        return Wait(WaitsFor.BATTERY, fails_at)
-    ends = step.wait.until or began + timedelta(seconds=step.wait.seconds or 0)
-    return Wait(WaitsFor.TIME, ends if fails_at is None else min(ends, fails_at))
+        return Wait(WaitsFor.BATTERY, step.fails_at)
+    ends = filter(None, (step.wait.ends_at(step.started_at or now), step.fails_at))
+    return Wait(WaitsFor.TIME, min(ends))
 
 
-def _follow_goal(mission: MissionEntry, facts: Facts, now: datetime, fails_at: datetime | None, *, late: bool) -> Move:
+def _follow_goal(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
     """Return what comes next while the goal of the present step is to be sent, or runs."""
-    step, goal = mission.current, facts.goal
+    step, goal, late = mission.current, facts.goal, mission.current.is_late(now)
     if step.goal_id is None and not late:
         return Send() if now - (step.started_at or now) < SEND_WITHIN else Change(fail(mission, UNSENT, now))
     if goal is None:
         return Change(fail(mission, TIMEOUT if step.goal_id is None else GONE, now))
     if goal.status.final:
         return Change(_conclude(mission, goal, now))
-    if not late:
-        return Wait(WaitsFor.LOST_GOAL if goal.status is GoalStatus.LOST else WaitsFor.GOAL, fails_at)
-    return _give_up(mission, facts, now)
+    if late:
+        return _give_up(mission, goal, facts, now)
+    return Wait(WaitsFor.LOST_GOAL if goal.status is GoalStatus.LOST else WaitsFor.GOAL, step.fails_at)
 
 
-def _give_up(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
+def _give_up(mission: MissionEntry, goal: Goal, facts: Facts, now: datetime) -> Move:
     """Return what comes next when the goal of the present step takes too long."""
     if mission.current.error is None:  # which says, also after a restart, that it is canceled for this
         return Change(mission.with_step(error=TIMEOUT))
     if not facts.given_up:
-        return Cancel()
+        return Cancel(goal)
     # Nobody knows what the robot does, or whether it was switched off and on: it does not move again by itself.
     return Change(_again(mission, TIMEOUT, now).but(status=MissionStatus.HELD, held_for=HoldReason.LOST))
 
@@ -167,26 +166,33 @@ def _give_up(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
 def _is_over(mission: MissionEntry, facts: Facts, now: datetime) -> bool:
     """Return whether that for which the present step waits has come."""
     step, wait = mission.current, mission.current.wait
-    if wait is None or wait.person:
+    if wait is None:
         return False
     if wait.battery is not None:
         return facts.battery is not None and facts.battery >= wait.battery
-    return now >= (wait.until or (step.started_at or now) + timedelta(seconds=wait.seconds or 0))
+    ends = wait.ends_at(step.started_at or now)
+    return ends is not None and now >= ends
+
+
+def _reason_of(goal: Goal, code: str, otherwise: str) -> Reason:
+    """Return why a goal ended as it did; with this code and sentence if that is not known."""
+    if goal.error is None:
+        return Reason(code=code, detail=otherwise)
+    return Reason(code=goal.error.code, detail=goal.error.detail)
 
 
 def _conclude(mission: MissionEntry, goal: Goal, now: datetime) -> MissionEntry:
     """Return the mission after the goal of its step has ended."""
-    error = None if goal.error is None else Reason(code=goal.error.code, detail=goal.error.detail)
     if goal.status is GoalStatus.SUCCEEDED:
         return succeed(mission, now)
     if mission.current.error is not None:  # it was too late, and canceled for that
         return fail(mission, mission.current.error, now)
-    if error is not None and error.code == STOPPED:
-        return hold_for_stop(mission, error, now)
+    if goal.error is not None and goal.error.code == STOPPED:
+        return hold_for_stop(mission, _reason_of(goal, STOPPED, ""), now)
     if goal.status is GoalStatus.CANCELED:
-        reason = error or Reason(code="goal_canceled", detail="the goal was canceled, and not by the mission")
+        reason = _reason_of(goal, "goal_canceled", "the goal was canceled, and not by the mission")
         return _again(mission, reason, now).but(status=MissionStatus.HELD, held_for=HoldReason.CANCELED)
-    return fail(mission, error or Reason(code="goal_aborted", detail="the goal was not reached"), now)
+    return fail(mission, _reason_of(goal, "goal_aborted", "the goal was not reached"), now)
 
 
 def hold_for_stop(mission: MissionEntry, error: Reason, now: datetime) -> MissionEntry:
@@ -201,30 +207,25 @@ def _again(mission: MissionEntry, error: Reason, now: datetime) -> MissionEntry:
 
 def _hold(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
     """Return what comes next while a mission is held: a goal that still runs is followed to its end."""
-    step, goal = mission.current, facts.goal
-    if step.status is StepStatus.RUNNING and step.wait is None and goal is not None and goal.status.final:
+    goal = facts.goal
+    if mission.current.has_goal and goal is not None and goal.status.final:
         if goal.status is GoalStatus.SUCCEEDED:
             following = succeed(mission, now)
             held = {} if following.status.ended else {"status": mission.status, "held_for": mission.held_for}
             return Change(following.model_copy(update=held))
-        error = Reason(code="goal_canceled", detail="the goal ended while the mission was held")
-        if goal.error is not None:
-            error = Reason(code=goal.error.code, detail=goal.error.detail)
-        return Change(_again(mission, error, now))
+        reason = _reason_of(goal, "goal_canceled", "the goal ended while the mission was held")
+        return Change(_again(mission, reason, now))
     return Wait(WaitsFor.STOP_RELEASED if facts.stopped else WaitsFor.CONTINUE)
 
 
 def _cancel(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
     """Return what comes next while a mission is being canceled: its goal ends first."""
-    step, goal = mission.current, facts.goal
-    runs = step.status is StepStatus.RUNNING and step.wait is None and goal is not None and not goal.status.final
-    if runs and not facts.given_up:
-        return Cancel()
-    if goal is not None and goal.status is GoalStatus.SUCCEEDED and step.status is StepStatus.RUNNING:
-        mission = mission.with_step(status=StepStatus.SUCCEEDED, finished_at=now)
-    else:
-        mission = mission.with_step(status=StepStatus.CANCELED, finished_at=now)
-    return Change(_end(mission, MissionStatus.CANCELED, now))
+    goal = facts.goal if mission.current.has_goal else None
+    if goal is not None and not goal.status.final and not facts.given_up:
+        return Cancel(goal)
+    arrived = goal is not None and goal.status is GoalStatus.SUCCEEDED
+    status = StepStatus.SUCCEEDED if arrived else StepStatus.CANCELED
+    return Change(_end(mission.with_step(status=status, finished_at=now), MissionStatus.CANCELED, now))
 
 
 def succeed(mission: MissionEntry, now: datetime) -> MissionEntry:

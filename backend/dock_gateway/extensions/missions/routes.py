@@ -68,8 +68,8 @@ async def list_missions(
 ) -> Answer[MissionList]:
     """List the missions, newest first: those that have not ended, and the last 1000 that have."""
     namespace = None if robot is None else read_namespace(robot)
-    page, following = await missions.book.page(namespace, frozenset(status or ()), grant, limit, end_of_page(cursor))
-    return json_response({"missions": page, "next_cursor": following})
+    page, end = await missions.book.page(namespace, frozenset(status or ()), grant, limit, end_of_page(cursor))
+    return json_response({"missions": page, "next_cursor": end and end.encode()})
 
 
 @router.get("/{mission_id}", openapi_extra=UNSTABLE)

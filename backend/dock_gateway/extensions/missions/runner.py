@@ -4,7 +4,6 @@ import asyncio
 import logging
 from collections.abc import Callable
 from datetime import datetime
-from typing import Any
 
 from dock_gateway.core.errors import GatewayError, NotFound, TooManyRequests, Unavailable, is_by_stop
 from dock_gateway.core.event import utc_now
@@ -12,21 +11,22 @@ from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.share import Share
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.extensions.missions import progress
+from dock_gateway.extensions.missions.actions import action_of, read_goal
 from dock_gateway.extensions.missions.book import MissionBook
-from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, Reason, StepStatus
+from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, Reason
 from dock_gateway.extensions.missions.progress import Cancel, Change, Facts, Send, Wait, WaitsFor, next_move
-from dock_gateway.goals.action import Action
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.storage import History
+from dock_gateway.storage.shared_entries import SYNC_INTERVAL
 
 log = logging.getLogger(__name__)
 
-# Seconds between two looks at missions that have not ended, and at what other gateways have stored.
-INTERVAL, SYNC_INTERVAL = 1.0, 2.0
+# Seconds between two looks at missions that have not ended.
+INTERVAL = 1.0
 
 
 class MissionRunner:
@@ -176,16 +176,14 @@ class MissionRunner:
                 return None
             case Send():
                 return await self._send(mission_id, mission)
-            case Cancel():
-                return await self._cancel(facts.goal)
+            case Cancel(goal):
+                return await self._cancel(goal)
             case Wait():
                 return move
 
     async def _facts(self, mission_id: str, mission: MissionEntry) -> Facts:
         step, robot = mission.current, mission.robot
-        goal = (
-            await self._goal(mission_id, mission) if step.status is StepStatus.RUNNING and step.wait is None else None
-        )
+        goal = await self._goal(mission_id, mission) if step.has_goal else None
         battery = None
         if robot in self._robots:
             latest = self._robots.get(robot).battery
@@ -220,11 +218,12 @@ class MissionRunner:
             Unavailable: The history does not answer.
         """
         step, now = mission.current, self._clock()
-        action = self._action(mission)
+        name = action_of(step, mission.robot, self._robot_actions)
+        action = None if name is None else self._actions.get(name)
         if action is None or not action.on_graph:
             return Wait(WaitsFor.SERVER)
         try:
-            message = await self._message(action, mission)
+            message = await read_goal(step, action)
             if mission.robot in self._stopped:
                 return None
             # No wait from here to the submission, which notices every stop that comes later.
@@ -247,27 +246,15 @@ class MissionRunner:
         await self.book.change(mission_id, mission, after)
         return None
 
-    async def _message(self, action: Action, mission: MissionEntry) -> Any:
-        step = mission.current
-        if step.verb is None:
-            return await action.read_goal(step.request)
-        return action.read_docking_request(step.request)
-
-    def _action(self, mission: MissionEntry) -> Action | None:
-        step = mission.current
-        if step.action is not None:
-            return self._actions.get(step.action.name)
-        return self._actions.get(self._robot_actions.docking_name(step.verb or "dock", mission.robot))
-
-    async def _cancel(self, goal: Goal | None) -> Wait:
+    async def _cancel(self, goal: Goal) -> Wait:
         """Cancel the goal of a step. It is asked for again until the goal has ended."""
-        action = None if goal is None else self._actions.get(goal.action_name)
-        if goal is not None and action is not None:
+        action = self._actions.get(goal.action_name)
+        if action is not None:
             try:
                 await action.canceler.cancel(goal)
             except GatewayError as error:
                 log.info("while canceling the goal %s of a mission: %s", goal.goal_id, error.detail)
-        if goal is not None and (action is None or goal.status is GoalStatus.LOST):
+        if action is None or goal.status is GoalStatus.LOST:
             self._given_up.add(goal.goal_id)
         return Wait(WaitsFor.GOAL)
 

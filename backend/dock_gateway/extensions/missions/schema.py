@@ -1,7 +1,7 @@
 """What the API takes and returns about missions."""
 
 from datetime import datetime
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field, JsonValue
 
@@ -59,12 +59,8 @@ class MissionBody(Schema):
             created_at=now,
             started_at=None,
             finished_at=None,
-            steps=tuple(StepEntry(**_fields(step)) for step in self.steps),
+            steps=tuple(StepEntry(**step.asked) for step in self.steps),
         )
-
-
-def _fields(step: StepFields) -> dict[str, Any]:
-    return {name: getattr(step, name) for name in StepFields.model_fields}
 
 
 class MissionStep(StepFields):

@@ -47,7 +47,7 @@ class ActionStep(Schema):
 class WaitStep(Schema):
     """One thing to wait for.
 
-    `seconds`; a time, `until`; a charge of the battery (0 to 1), `battery`; or `person`: until somebody continues the
+    `seconds`; a time, `until`; a charge of the battery (0 to 1), `battery`; or `person`: until a person continues the
     mission.
     """
 
@@ -55,6 +55,10 @@ class WaitStep(Schema):
     until: Annotated[Time, Strict(False), Field(json_schema_extra=TIME_PATTERN)] | None = None
     battery: Annotated[float, Field(gt=0, le=1)] | None = None
     person: bool = False
+
+    def ends_at(self, started_at: datetime) -> datetime | None:
+        """Return when it is over, if it began then; None if a charge or a person ends it."""
+        return self.until if self.seconds is None else started_at + timedelta(seconds=self.seconds)
 
     @model_validator(mode="after")
     def _has_one_end(self) -> Self:
@@ -103,9 +107,10 @@ class StepFields(Schema):
 
     @property
     def waits_for_person(self) -> bool:
-        """Whether it ends when somebody continues the mission."""
+        """Whether it ends when a person continues the mission."""
         return self.wait is not None and self.wait.person
 
-    def ends_at(self, started_at: datetime) -> datetime | None:
-        """Return when it has failed, if it began then; None: there is no limit."""
-        return None if self.timeout_s is None else started_at + timedelta(seconds=self.timeout_s)
+    @property
+    def asked(self) -> dict[str, Any]:
+        """The fields that clients send."""
+        return {name: getattr(self, name) for name in StepFields.model_fields}

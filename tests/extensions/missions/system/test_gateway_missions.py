@@ -137,7 +137,7 @@ def test_people_come_first(domain: int) -> None:
 def test_a_goal_that_takes_too_long_or_is_canceled_with_its_mission(domain: int) -> None:
     with ready_gateway(domain) as gateway:
         gateway.publish(LOW)
-        late = post(gateway, {**DOCK, "timeout_s": 1.0})
+        late = post(gateway, {**DOCK, "timeout_s": 5.0})  # a disk may take a second before the goal is sent
         found = until(gateway, late, "failed")
         assert found["error"]["code"] == "step_timeout"
         gateway.wait_for_goal(found["steps"][0]["goal_id"], "canceled")
