@@ -1,0 +1,304 @@
+import {
+  Button,
+  Group,
+  NativeSelect,
+  NumberInput,
+  Stack,
+  Text,
+  TextInput,
+  VisuallyHidden,
+} from "@mantine/core";
+import { type FormEvent, useEffect, useRef, useState } from "react";
+import { useNavigate } from "react-router";
+import { NameInput, ownName, setOwnName } from "../../access/who";
+import { refusedFields } from "../../actions/DraftFields";
+import { useGatewayNow } from "../../clock/clock";
+import { useFleet, useFleetPart, useFleetTopic, useNaming, useWhyNot } from "../../fleet/context";
+import { byName } from "../../fleet/names";
+import { isThere } from "../../fleet/words";
+import { CommandErrorAlert } from "../../ui/errors";
+import { ReasonButton } from "../../ui/ReasonButton";
+import { useCommand } from "../../ui/requests";
+import { Section } from "../../ui/Section";
+import {
+  bodyOf,
+  type Draft,
+  errorAt,
+  isReady,
+  MAX_NAME,
+  MAX_PRIORITY,
+  MAX_STEPS,
+  MIN_PRIORITY,
+  missionErrors,
+  newStep,
+  type StepDraft,
+  type StepKind,
+  withMoved,
+  withRefused,
+} from "./draft";
+import classes from "./missions.module.css";
+import { useOpenMissions } from "./openMissions";
+import { queuesOf } from "./queue";
+import { createMission } from "./requests";
+import { StepCard } from "./StepCard";
+
+interface MissionFormProps {
+  draft: Draft;
+  onChange: (change: (before: Draft) => Draft) => void;
+}
+
+/** Something in the list of steps that gets the focus when it is there. */
+interface Sought {
+  key: string;
+  button: "up" | "down" | null;
+}
+
+/** The form of a mission, from its robot to its start. */
+export function MissionForm({ draft, onChange }: MissionFormProps) {
+  const { http, store } = useFleet();
+  const navigate = useNavigate();
+  const now = useGatewayNow();
+  const reason = useWhyNot("POST /missions");
+  const [tried, setTried] = useState(false);
+  const [by, setBy] = useState(ownName);
+  const [said, say] = useState("");
+  const [more, setMore] = useState(false);
+  const sought = useRef<Sought | null>(null);
+  const list = useRef<HTMLOListElement>(null);
+  const adders = useRef<HTMLDivElement>(null);
+
+  const start = useCommand(async (body: string) => {
+    try {
+      return await createMission(http, draft.robot, body);
+    } catch (error) {
+      const refused = refusedFields(error);
+      if (refused.length > 0) onChange((before) => withRefused(before, refused));
+      throw error;
+    }
+  });
+
+  // What was added or moved has the focus afterwards.
+  useEffect(() => {
+    if (sought.current === null) return;
+    const { key, button } = sought.current;
+    sought.current = null;
+    const card = list.current?.querySelector<HTMLElement>(`[data-step="${key}"]`);
+    const target =
+      button === null ? card : card?.querySelector<HTMLElement>(`[data-move="${button}"]:enabled`);
+    (target ?? card)?.focus();
+  });
+
+  const change = (part: Partial<Draft>) => onChange((before) => ({ ...before, ...part }));
+  const setSteps = (edit: (steps: readonly StepDraft[]) => readonly StepDraft[]) =>
+    onChange((before) => ({
+      ...before,
+      steps: edit(before.steps),
+      refused: before.refused.filter(({ path }) => path !== "steps"),
+    }));
+  const add = (kind: StepKind) => {
+    const step = newStep(kind, store.gatewayNow());
+    sought.current = { key: step.key, button: null };
+    setSteps((steps) => [...steps, step]);
+    say(`Step ${draft.steps.length + 1} added`);
+  };
+  const move = (index: number, by: -1 | 1) => {
+    const step = draft.steps[index];
+    if (step === undefined) return;
+    sought.current = { key: step.key, button: by === -1 ? "up" : "down" };
+    setSteps((steps) => withMoved(steps, index, by));
+    say(`Step ${index + 1} is now step ${index + by + 1}`);
+  };
+  const remove = (index: number) => {
+    const near = draft.steps[index + 1] ?? draft.steps[index - 1];
+    if (near === undefined) adders.current?.querySelector("button")?.focus();
+    else sought.current = { key: near.key, button: null };
+    setSteps((steps) => steps.filter((_, at) => at !== index));
+    say(`Step ${index + 1} removed`);
+  };
+
+  const errors = [...missionErrors(draft).filter(({ missing }) => tried || !missing), ...draft.refused];
+  const submit = (event: FormEvent) => {
+    event.preventDefault();
+    if (reason !== null || start.isPending) return;
+    setTried(true);
+    if (!isReady(draft, store.gatewayNow())) {
+      const wrong = list.current?.parentElement?.querySelector<HTMLElement>("[aria-invalid=true]");
+      wrong?.focus();
+      return;
+    }
+    setOwnName(by.trim());
+    start.mutate(bodyOf(draft, by.trim() || null), { onSuccess: () => navigate("/ui/missions") });
+  };
+  const others = draft.refused.filter(({ path }) => !["name", "priority", "steps"].includes(path));
+  const ready = isReady(draft, now);
+  const wrongPriority = errorAt(errors, "priority") !== undefined;
+
+  return (
+    <form onSubmit={submit} noValidate>
+      <Stack gap="md">
+        <Section title="Mission">
+          <div className={classes.fields}>
+            <RobotField robot={draft.robot} onRobot={(robot) => change({ robot })} />
+            <TextInput
+              label="Name"
+              description="Optional; without one its steps name it."
+              placeholder="Night round"
+              maxLength={MAX_NAME}
+              value={draft.name}
+              error={errorAt(errors, "name")}
+              onChange={(event) => change({ name: event.currentTarget.value, refused: [] })}
+            />
+          </div>
+          <details
+            className={classes.fold}
+            open={more || wrongPriority}
+            onToggle={(event) => setMore(event.currentTarget.open)}
+          >
+            <summary>More</summary>
+            {(more || wrongPriority) && (
+              <div className={classes.fields}>
+                <NumberInput
+                  label="Priority"
+                  description="Of the missions that wait, the one with the highest number begins first."
+                  min={MIN_PRIORITY}
+                  max={MAX_PRIORITY}
+                  clampBehavior="none"
+                  allowDecimal={false}
+                  value={draft.priority}
+                  error={errorAt(errors, "priority")}
+                  onChange={(priority) => change({ priority, refused: [] })}
+                />
+              </div>
+            )}
+          </details>
+        </Section>
+        <Section title="Steps">
+          {draft.steps.length === 0 && (
+            <Text size="sm" c="dimmed">
+              Add the first step. The robot takes the steps one after the other.
+            </Text>
+          )}
+          <ol className={classes.cards} ref={list} aria-label="Steps">
+            {draft.steps.map((step, index) => (
+              <StepCard
+                key={step.key}
+                step={step}
+                index={index}
+                count={draft.steps.length}
+                robot={draft.robot}
+                tried={tried}
+                onChange={(edit) =>
+                  setSteps((steps) => steps.map((each) => (each.key === step.key ? edit(each) : each)))
+                }
+                onMove={(by) => move(index, by)}
+                onRemove={() => remove(index)}
+              />
+            ))}
+          </ol>
+          <Adders full={draft.steps.length >= MAX_STEPS} onAdd={add} ref={adders} />
+          {errorAt(errors, "steps") !== undefined && (
+            <Text size="sm" c="var(--mantine-color-error)" role="alert">
+              {errorAt(errors, "steps")}
+            </Text>
+          )}
+          <VisuallyHidden aria-live="polite">{said}</VisuallyHidden>
+        </Section>
+        <Section title="Start">
+          <Begins robot={draft.robot} />
+          <div className={classes.fields}>
+            <NameInput value={by} description="Shown with the mission." onChange={setBy} />
+          </div>
+          {others.map(({ path, detail }) => (
+            <Text key={path} size="sm" c="var(--mantine-color-error)">
+              {path}: {detail}
+            </Text>
+          ))}
+          <CommandErrorAlert command="Starting the mission" error={start.error} onClose={start.reset} />
+          <Group gap="sm">
+            <ReasonButton type="submit" size="md" reason={reason} loading={start.isPending}>
+              Start mission
+            </ReasonButton>
+            <Button variant="default" size="md" onClick={() => navigate("/ui/missions")}>
+              Cancel
+            </Button>
+            <Text size="sm" c="dimmed" role="status">
+              {tried && !ready && "Fix what is marked above first."}
+            </Text>
+          </Group>
+        </Section>
+      </Stack>
+    </form>
+  );
+}
+
+/** Chooses the robot; nothing where there is only one. */
+function RobotField({ robot, onRobot }: { robot: string; onRobot: (robot: string) => void }) {
+  const naming = useNaming();
+  const robots = useFleetTopic("robots");
+  const there = [...robots.values()].flatMap((each) => (isThere(each) ? [each.name] : []));
+  const names = [...new Set([...there, robot])].sort(byName);
+  if (names.length === 1) return null;
+  return (
+    <NativeSelect
+      label="Robot"
+      description="It takes the steps."
+      value={robot}
+      onChange={(event) => onRobot(event.currentTarget.value)}
+      data={names.map((name) => ({ value: name, label: naming.fullNameOf(name) }))}
+    />
+  );
+}
+
+/** When the mission begins. */
+function Begins({ robot }: { robot: string }) {
+  const name = useNaming().nameOf(robot);
+  const { data: missions = [] } = useOpenMissions();
+  const stopped = useFleetPart("robots", (robots) => robots.get(robot)?.stop.latched === true);
+  const queue = queuesOf(missions).find((each) => each.robot === robot);
+  const before = queue === undefined ? 0 : queue.next.length + (queue.active === null ? 0 : 1);
+  const words =
+    before === 0
+      ? `${name} begins at once. Check that the area is clear.`
+      : `${name} has ${before === 1 ? "another mission" : `${before} other missions`}: this one waits for its turn.`;
+  return (
+    <Text size="sm" role="status">
+      {stopped
+        ? `${name} is stopped: the mission is held until the stop is released and someone continues it.`
+        : words}
+    </Text>
+  );
+}
+
+const KINDS: { kind: StepKind; words: string }[] = [
+  { kind: "dock", words: "Dock" },
+  { kind: "undock", words: "Undock" },
+  { kind: "action", words: "Action" },
+  { kind: "wait", words: "Wait" },
+];
+
+interface AddersProps {
+  full: boolean;
+  onAdd: (kind: StepKind) => void;
+  ref: React.Ref<HTMLDivElement>;
+}
+
+function Adders({ full, onAdd, ref }: AddersProps) {
+  return (
+    <Group gap="xs" ref={ref} role="group" aria-label="Add a step">
+      <Text size="sm" aria-hidden="true">
+        Add a step:
+      </Text>
+      {KINDS.map(({ kind, words }) => (
+        <ReasonButton
+          key={kind}
+          variant="default"
+          reason={full ? `A mission has at most ${MAX_STEPS} steps.` : null}
+          aria-label={`Add step: ${words}`}
+          onClick={() => onAdd(kind)}
+        >
+          {words}
+        </ReasonButton>
+      ))}
+    </Group>
+  );
+}
