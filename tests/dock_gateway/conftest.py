@@ -8,10 +8,8 @@ from types import SimpleNamespace
 
 import asyncpg
 import pytest
-from pwdlib import PasswordHash
-from pwdlib.hashers.argon2 import Argon2Hasher
 
-from dock_gateway.access import login_guard
+from dock_gateway.access import login_guard, passwords
 from dock_gateway.storage import immediate, reader, writer
 from tests.support.postgresql import PostgreSQL, binaries, running_postgresql
 
@@ -69,8 +67,7 @@ def place(request: pytest.FixtureRequest) -> str:
 @pytest.fixture
 def quick_hashes(monkeypatch: pytest.MonkeyPatch) -> None:
     """Passwords are hashed as weakly as possible: a test makes many."""
-    weak = PasswordHash((Argon2Hasher(time_cost=1, memory_cost=8, parallelism=1),))
-    monkeypatch.setattr(PasswordHash, "recommended", lambda: weak)
+    monkeypatch.setattr(passwords, "COST", passwords.Cost(memory=8, passes=1, lanes=1))
 
 
 @pytest.fixture

@@ -21,7 +21,6 @@ for module in modules_of("extension"):  # which every gateway imports
 # What libraries import when a gateway opens its database, listens and checks a password, a node is made, and a
 # simulation begins. What is missing is imported then, or not at all.
 for module in (
-    "argon2",
     "numpy.random",
     "rosidl_generator_py",
     "service_msgs.msg",

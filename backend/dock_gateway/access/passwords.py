@@ -4,11 +4,12 @@ import asyncio
 import secrets
 import unicodedata
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from typing import TypeVar
 
-from pwdlib import PasswordHash
-from pwdlib.exceptions import PwdlibError
+from cryptography.exceptions import InvalidKey
+from cryptography.hazmat.primitives.kdf.argon2 import Argon2id
 
 from dock_gateway.core.request import hold
 
@@ -17,6 +18,29 @@ T = TypeVar("T")
 MIN_PASSWORD, MAX_PASSWORD = 12, 200  # characters
 # How many are hashed at the same time. How many more may wait, `http.quotas` says.
 AT_ONCE = 2
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What a hash costs who makes it, and who tries passwords.
+
+    Attributes:
+        memory: KiB.
+        passes: How often the memory is gone through.
+        lanes: How many threads could do so at the same time.
+    """
+
+    memory: int
+    passes: int
+    lanes: int
+
+    def __str__(self) -> str:
+        """Return how a hash with this cost begins."""
+        return f"$argon2id$v=19$m={self.memory},t={self.passes},p={self.lanes}$"
+
+
+# The second recommendation of RFC 9106, for where memory is limited.
+COST = Cost(memory=64 * 1024, passes=3, lanes=4)
 
 
 def describe_wrong(value: object, shortest: int = MIN_PASSWORD) -> tuple[str, str] | None:
@@ -34,7 +58,6 @@ class Passwords:
     """Hashes passwords with Argon2id, a few at the same time."""
 
     def __init__(self) -> None:
-        self._hasher = PasswordHash.recommended()
         self._slots = asyncio.Semaphore(AT_ONCE)
         self._nobodys: str | None = None
 
@@ -44,7 +67,7 @@ class Passwords:
         Raises:
             TooManyRequests: Too many of the user wait, or of all users together (`too_many_logins`).
         """
-        return await self._run(partial(self._hasher.hash, normalize(password)))
+        return await self._run(partial(_hash, normalize(password)))
 
     async def verify(self, password: str, hashed: str | None) -> tuple[bool, str | None]:
         """Return whether a password is right, and a new hash if the stored one is outdated.
@@ -58,20 +81,29 @@ class Passwords:
         """
         if self._nobodys is None:
             self._nobodys = await self.hash(secrets.token_hex())
-        check = partial(self._verify, normalize(password), self._nobodys if hashed is None else hashed)
+        check = partial(_verify, normalize(password), self._nobodys if hashed is None else hashed)
         right, outdated = await self._run(check)
         return right and hashed is not None, outdated
-
-    def _verify(self, password: bytes, hashed: str) -> tuple[bool, str | None]:
-        try:
-            return self._hasher.verify_and_update(password, hashed)
-        except PwdlibError:  # what is stored is no hash
-            return False, None
 
     async def _run(self, work: Callable[[], T]) -> T:
         with hold("logins"):
             async with self._slots:
                 return await asyncio.to_thread(work)
+
+
+def _hash(password: bytes) -> str:
+    salt = secrets.token_bytes(16)
+    return Argon2id(
+        salt=salt, length=32, iterations=COST.passes, lanes=COST.lanes, memory_cost=COST.memory
+    ).derive_phc_encoded(password)
+
+
+def _verify(password: bytes, hashed: str) -> tuple[bool, str | None]:
+    try:
+        Argon2id.verify_phc_encoded(password, hashed)
+    except (InvalidKey, ValueError):  # ValueError: what is stored is no hash
+        return False, None
+    return True, None if hashed.startswith(str(COST)) else _hash(password)
 
 
 def normalize(password: str) -> bytes:

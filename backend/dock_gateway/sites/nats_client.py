@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from nats import errors
-from nats.aio.client import PING_PROTO, Client, RawCredentials
+from nats.aio.client import PING_PROTO, Client
 
+from dock_gateway.sites.credentials import NatsCredentials, read_credentials
 from dock_gateway.sites.servers import ServerAddress
 
 # Seconds for each step of a connection: TCP, TLS, the server's greeting.
@@ -35,6 +36,7 @@ class NatsClient(Client):
         self.server = server
         self.lost = asyncio.Event()
         self.reason = ""
+        self._credentials: NatsCredentials | None = None
 
     @property
     def usable(self) -> bool:
@@ -54,6 +56,7 @@ class NatsClient(Client):
 
         user, password = self.server.user, self.server.password
         try:
+            self._credentials = None if credentials is None else read_credentials(credentials)
             await self.connect(
                 [str(self.server)],
                 name=name,
@@ -64,7 +67,7 @@ class NatsClient(Client):
                 connect_timeout=CONNECT_TIMEOUT,  # type: ignore[arg-type]  # seconds
                 pending_size=UNLIMITED,
                 tls=ssl.create_default_context(cafile=ca),
-                user_credentials=None if credentials is None else RawCredentials(read_credentials(credentials)),
+                user_credentials=None if credentials is None else str(credentials),
                 user=None if password is None else user,
                 password=password,
                 token=user if password is None else None,
@@ -99,28 +102,17 @@ class NatsClient(Client):
         await self._send_command(PING_PROTO)
         await self._flush_pending()
 
+    def _setup_nkeys_jwt_connect(self) -> None:
+        # nats-py would sign with two more packages, and asks callbacks only where it has a file, too.
+        if self._credentials is not None:
+            self._user_jwt_cb = self._credentials.jwt.encode
+            self._signature_cb = self._credentials.sign
+
     def _connect_command(self) -> bytes:
         # nats-py goes on in the clear where a server, or who claims to be it, offers no TLS.
         if self.server.tls and not self._server_info.get("tls_required"):
             raise errors.Error("the server offers no TLS, which tls:// asks for")
         return super()._connect_command()
-
-
-def read_credentials(path: Path) -> str:
-    """Read a `.creds` file.
-
-    Raises:
-        ValueError: It cannot be read, or is none. nats-py would search for its end for ever.
-    """
-    try:
-        text = path.read_text("ascii")
-    except (OSError, ValueError) as error:
-        raise ValueError(f"the NATS credentials in {path} cannot be read: {error}") from None
-    lines = [line.strip() for line in text.splitlines() if line.strip()]
-    for mark in ("BEGIN NATS USER JWT", "BEGIN USER NKEY SEED"):
-        if not any(mark in line for line in lines[:-1]):
-            raise ValueError(f"{path} is no file of NATS credentials: it has no {mark!r}")
-    return "\n".join(lines) + "\n"
 
 
 def one_line(record: logging.LogRecord) -> bool:

@@ -7,6 +7,7 @@ from pydantic import Field, model_validator
 
 from dock_gateway.setting_groups.group import SettingsGroup
 from dock_gateway.setting_types import Brokers, OptionalFile, is_safe_broker
+from dock_gateway.sites.credentials import read_credentials
 
 
 class BrokerSettings(SettingsGroup):
@@ -45,8 +46,6 @@ class BrokerSettings(SettingsGroup):
 
 def find_broker_fault(settings: BrokerSettings) -> str | None:
     """Return why no NATS server can be reached with these files; None if one can. None is looked for."""
-    from dock_gateway.sites.nats_client import read_credentials  # noqa: PLC0415 - takes a tenth of a second
-
     try:
         if settings.nats_credentials is not None:
             read_credentials(settings.nats_credentials)

@@ -8,11 +8,12 @@ from datetime import timedelta
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
+from unittest.mock import Mock
 
 import pytest
-from pwdlib import PasswordHash
-from pwdlib.hashers.argon2 import Argon2Hasher
+from cryptography.hazmat.primitives.kdf.argon2 import Argon2id
 
+from dock_gateway.access import passwords
 from dock_gateway.access.credentials import ID_DIGITS, digest_of
 from dock_gateway.access.logins import Logins
 from dock_gateway.access.passwords import Passwords
@@ -134,13 +135,13 @@ async def test_a_wrong_name_or_password_is_refused_alike(logins: Logins, name: s
 
 async def test_an_unknown_user_takes_as_long(logins: Logins, monkeypatch: pytest.MonkeyPatch) -> None:
     verified: list[str] = []
-    verify = PasswordHash.verify_and_update
+    verify = Argon2id.verify_phc_encoded
 
-    def count(self: PasswordHash, password: bytes, hashed: str) -> Any:
+    def count(password: bytes, hashed: str) -> None:
         verified.append(hashed)
-        return verify(self, password, hashed)
+        verify(password, hashed)
 
-    monkeypatch.setattr(PasswordHash, "verify_and_update", count)
+    monkeypatch.setattr(passwords, "Argon2id", Mock(wraps=Argon2id, verify_phc_encoded=count))
     for name in ("ada", "nobody"):
         with pytest.raises(NotAuthenticated):
             await log_in(logins, name, OTHER)
@@ -161,7 +162,9 @@ async def test_what_is_stored_instead_of_a_hash_lets_nobody_in(site: Site, login
 
 
 async def test_an_outdated_hash_is_renewed(site: Site, logins: Logins) -> None:
-    old = PasswordHash((Argon2Hasher(time_cost=2, memory_cost=16, parallelism=1),)).hash(PASSWORD)
+    old = Argon2id(salt=b"salt" * 4, length=32, iterations=2, lanes=1, memory_cost=16).derive_phc_encoded(
+        PASSWORD.encode()
+    )
     await site.users.write("ada", replace((await site.users.read())["ada"], password=old))
     assert is_in(logins, await log_in(logins))
     assert "m=8,t=1" in (await site.users.read())["ada"].password

@@ -5,6 +5,7 @@ import logging
 from dataclasses import replace
 from pathlib import Path
 
+import nkeys
 import pytest
 
 from dock_gateway.core.errors import Unavailable
@@ -216,7 +217,10 @@ async def test_users_and_what_they_may_not(tmp_path: Path, caplog: pytest.LogCap
 
 
 async def test_what_is_no_credentials_file_is_said(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
-    for text in (None, "", "-----BEGIN NATS USER JWT-----", "ü"):
+    jwt = "-----BEGIN NATS USER JWT-----\nabc\n------END NATS USER JWT------\n"
+    account = nkeys.encode_seed(bytes(32), nkeys.PREFIX_BYTE_ACCOUNT).decode()
+    wrong: tuple[str | None, ...] = (None, "", "-----BEGIN NATS USER JWT-----", "ü", jwt)
+    for text in (*wrong, *(f"{jwt}-----BEGIN USER NKEY SEED-----\n{seed}\n" for seed in ("SU", "!", account))):
         file = tmp_path / "site.creds"
         file.unlink(missing_ok=True)
         if text is not None:

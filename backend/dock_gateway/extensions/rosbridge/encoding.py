@@ -3,8 +3,10 @@
 from dataclasses import dataclass
 from typing import Any
 
+import cbor2
+
 from dock_gateway.core.event import websocket_frame
-from dock_gateway.extensions.rosbridge import cbor, png
+from dock_gateway.extensions.rosbridge import png
 from dock_gateway.extensions.rosbridge.protocol import Compression, published
 from dock_gateway.extensions.rosbridge.protocol import png as png_message
 from dock_gateway.extensions.rosbridge.values import cbor_values, json_values
@@ -60,4 +62,4 @@ def encode(compression: Compression, topic: str, type_name: str, data: bytes, re
 
 
 def _packed(topic: str, message: dict[str, Any]) -> Payload:
-    return Payload.of(cbor.encode({"op": "publish", "topic": topic, "msg": message}), binary=True)
+    return Payload.of(cbor2.dumps({"op": "publish", "topic": topic, "msg": message}), binary=True)

@@ -10,14 +10,16 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
+from cbor2 import CBORTag
 
 from dock_gateway.core.event import utc_now
-from dock_gateway.extensions.rosbridge.cbor import TYPED, Tagged
 from dock_gateway.extensions.rosbridge.protocol import stamp
 from dock_gateway.ros.messages.types import Integer, Kind, MessageClass, Nested, Sequence, kinds, type_name
 
 Encoder = Callable[[Any], Any]
 TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
+# Tags of little-endian typed arrays in CBOR (RFC 8746), by the type code of Python's `array`.
+TYPED = {"H": 69, "I": 70, "Q": 71, "b": 72, "h": 77, "i": 78, "q": 79, "f": 85, "d": 86}
 # For fewer numbers, a numpy array costs more than it saves.
 FEW = 32
 
@@ -52,7 +54,7 @@ def _plain(numbers: Any, code: str) -> Any:
 
 
 def _typed(numbers: Any, code: str) -> Any:
-    return Tagged(TYPED[code], numbers.tobytes())
+    return CBORTag(TYPED[code], numbers.tobytes())
 
 
 JSON, CBOR = Style(_base64, _plain), Style(lambda octets: octets, _typed)
