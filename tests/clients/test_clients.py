@@ -14,6 +14,7 @@ import pytest
 from playwright.sync_api import sync_playwright
 
 from tests.browser.conftest import ARGUMENTS, CHROMIUM, MISSING
+from tests.clients.installed import CLIENTS, HERE, ROOT
 from tests.support.domain import ros_domain
 from tests.support.gateway import RunningGateway, running_gateway, running_program, running_talker
 from tests.support.installed import needs
@@ -23,10 +24,6 @@ from tests.support.waiting import wait_until
 
 pytestmark = needs("rosbridge", "foxglove", "agents")
 
-HERE = Path(__file__).parent
-ROOT = HERE.parents[1]
-# Where scripts/install-clients has put them.
-CLIENTS = Path(os.environ.get("CLIENTS", ROOT / ".venv/.stamps/clients")).resolve()
 # The port that the tests of roslibpy expect.
 PORT = 9090
 BUNDLER = ROOT / "frontend/node_modules/.bin/rolldown"

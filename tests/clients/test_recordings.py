@@ -16,7 +16,7 @@ from rclpy.serialization import deserialize_message
 from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.messages.interfaces import load_message
 from robot_io.recording import EVENTS, read
-from tests.clients.test_clients import CLIENTS, HERE
+from tests.clients.installed import CLIENTS, HERE
 from tests.support.domain import ros_domain
 from tests.support.gateway import ACTION, running_gateway, running_program
 from tests.support.installed import needs

@@ -1,19 +1,16 @@
 """A site is read from where the hub was, whatever is missing in between."""
 
-import asyncio
 import itertools
-from collections.abc import AsyncIterator, Iterable
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
-import orjson
 import pytest
 
-from dock_gateway.core.event import Event, moment, result_event, status_event
+from dock_gateway.core.event import Event, moment
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.sites.tunnel.caller import TunnelAddress
 from dock_gateway.sites.tunnel.failures import SiteFailed
 from dock_gateway.storage import History
 from dock_hub import follower
@@ -21,11 +18,11 @@ from dock_hub.follower import Follower
 from dock_hub.mirror import Mirror
 from dock_hub.site_view import SiteView
 from dock_hub.store import HubStore
-from tests.dock_hub.test_renaming import ROBOT, decoded
+from tests.dock_hub.documents import ROBOT
+from tests.dock_hub.followed_site import START_NS, FakeSite, snapshot, told
 from tests.support.history import open_at
 from tests.support.waiting import until
 
-START_NS = 1_795_780_800_000_000_000
 FIRST, SECOND = (f"6a8c2b0a-5c63-4d0e-9c1e-00000000000{number}" for number in (1, 2))
 
 
@@ -41,53 +38,6 @@ def make_goal(goal_id: str, status: GoalStatus, second: int = 0) -> Goal:
     goal.finished_at = goal.updated_at if status.terminal else None
     goal.result = b'{"ok":true}' if status is GoalStatus.SUCCEEDED else None
     return goal
-
-
-class FakeSite:
-    """What a site says on each connection, and on requests. The last connection stays."""
-
-    address = TunnelAddress("berlin", "0" * 16)
-
-    def __init__(self, *connections: Iterable[Any]) -> None:
-        self.connections = list(connections)
-        self.asked_after: list[str | None] = []
-        self.goals: dict[str, Goal] = {}
-        self.refusal: SiteFailed | None = None
-
-    @asynccontextmanager
-    async def events(self, after: str | None) -> AsyncIterator[AsyncIterator[str]]:
-        self.asked_after.append(after)
-        if self.refusal is not None:
-            raise self.refusal
-
-        async def messages() -> AsyncIterator[str]:
-            for message in self.connections.pop(0):
-                yield message if isinstance(message, str) else orjson.dumps(message).decode()
-            if not self.connections:
-                await asyncio.Event().wait()
-
-        yield messages()
-
-    async def get(self, path: str, query: str = "") -> tuple[int, Any]:
-        if path == "/goals":
-            return 200, {"goals": [decoded(goal.document()) for goal in self.goals.values()], "next_cursor": None}
-        goal = self.goals.get(path.removeprefix("/goals/"))
-        return (404, {}) if goal is None else (200, decoded(goal.document()))
-
-    async def measure(self) -> float:
-        return 0.001
-
-
-def snapshot(*goals: Goal) -> dict[str, Any]:
-    documents = [decoded(goal.document()) for goal in goals]
-    said = {"goals": documents, "robots": [ROBOT], "alerts": [], "approvals": []}
-    return {"type": "snapshot", "time": moment(START_NS).isoformat(), **said}
-
-
-def told(goal: Goal, second: int) -> dict[str, Any]:
-    make = result_event if goal.result else status_event
-    document: dict[str, Any] = orjson.loads(make(goal, START_NS + second * 10**9).data)
-    return document
 
 
 class Hub:

@@ -32,8 +32,8 @@ from dock_hub.mirror import Mirror
 from dock_hub.shares import BY_SITE, share, sizes_of_sites
 from dock_hub.site_view import MAX_BYTES, SiteView
 from dock_hub.store import HubStore, News
-from tests.dock_hub.test_follower import FakeSite, snapshot, told
-from tests.dock_hub.test_renaming import ROBOT, decoded
+from tests.dock_hub.documents import ROBOT, decoded
+from tests.dock_hub.followed_site import FakeSite, snapshot, told
 from tests.support.history import open_at
 from tests.support.waiting import until
 

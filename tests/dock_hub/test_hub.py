@@ -3,17 +3,14 @@
 import asyncio
 import re
 from collections.abc import AsyncIterator, Iterator
-from contextlib import AsyncExitStack, ExitStack, asynccontextmanager, suppress
-from dataclasses import dataclass
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
 from uuid import UUID
 
-import httpx2
 import orjson
 import pytest
 import websockets.asyncio.client
-from starlette.types import Receive, Scope, Send
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from dock_gateway.access.logins import Logins
@@ -21,7 +18,6 @@ from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.extension import Installed
-from dock_gateway.http.parts import Parts
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.sites import subjects
 from dock_gateway.sites.identity import Signer
@@ -29,15 +25,11 @@ from dock_gateway.sites.messages import Hello, Refusal, Welcome
 from dock_gateway.sites.tunnel import channel
 from dock_gateway.sites.tunnel.channel import Timing
 from dock_hub import directory, forwarding, overview
-from dock_hub.app import create_hub_app
-from dock_hub.assembly import open_hub
 from dock_hub.directory import SiteState
-from dock_hub.extensions import hub_extensions
-from dock_hub.settings import HubSettings
 from dock_hub.sites import Sites
-from tests.support.edge import serving
 from tests.support.installed import needs
 from tests.support.nats import NatsServer, nats_server
+from tests.support.open_hub import Hub, hub_at
 from tests.support.small_site import ALERT, broker_of, say_hello, small_site
 from tests.support.waiting import until
 
@@ -46,45 +38,6 @@ from tests.support.waiting import until
 def nats(tmp_path_factory: pytest.TempPathFactory) -> Iterator[NatsServer]:
     with nats_server(tmp_path_factory.mktemp("nats")) as server:
         yield server
-
-
-@dataclass
-class Hub:
-    parts: Parts
-    url: str
-    http: httpx2.AsyncClient
-
-    async def token(self, name: str, role: Role, *robots: str) -> tuple[str, dict[str, str]]:
-        """The id of a new token, and the header that shows it."""
-        token, secret = await self.parts[Logins].create_token(name, Grant(role, robots))
-        return token["id"], {"Authorization": f"Bearer {secret}"}
-
-    async def connected(self, name: str) -> None:
-        sites = self.parts[Sites]
-        await until(lambda: name in sites.names() and not sites.view(name).behind)
-        assert sites.state(name) is SiteState.CONNECTED
-
-
-@asynccontextmanager
-async def hub_at(nats: str, folder: Path, installed: Installed | None = None) -> AsyncIterator[Hub]:
-    settings = HubSettings(
-        database_url=f"sqlite:///{folder}/hub.db",
-        spool_path=folder / "spool",
-        hub_private_key=folder / "hub.key",
-        nats=(nats,),
-        authentication=True,
-    )
-    async with AsyncExitStack() as stack:
-        parts = await stack.enter_async_context(open_hub(settings, installed or hub_extensions()))
-        app = create_hub_app(settings, parts)
-
-        async def with_parts(scope: Scope, receive: Receive, send: Send) -> None:
-            scope["state"] = {"parts": parts}
-            await app(scope, receive, send)
-
-        edge = await stack.enter_async_context(serving(with_parts))
-        http = await stack.enter_async_context(httpx2.AsyncClient(base_url=edge.url, trust_env=False))
-        yield Hub(parts, edge.url, http)
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import orjson
 import pytest
 from pydantic import BaseModel
 
-from dock_gateway.core.goal import Goal, GoalError, GoalStatus, encode
+from dock_gateway.core.goal import GoalStatus
 from dock_gateway.fleet import alert as alerts
 from dock_gateway.fleet import alert_kinds
 from dock_gateway.fleet.schema import Alert, Robot
@@ -18,24 +18,7 @@ from dock_gateway.goals.schema import GoalState
 from dock_gateway.stop.schema import StopState
 from dock_hub import fields, goal_documents, renaming
 from dock_hub.site_view import MAX_ROBOTS, SiteView
-from tests.support import small_site
-
-AT = datetime(2026, 11, 27, 12, 0, 0, 123456, tzinfo=UTC)
-GOAL_ID = "6a8c2b0a-5c63-4d0e-9c1e-0d7a9c4d5e6f"
-
-
-def ended_goal() -> Goal:
-    goal = Goal(GOAL_ID, "/robot1/dock", "pkg/action/Dock", AT, verb="dock", goal=b'{"a":1}', result=b'{"b":[null]}')
-    goal.status, goal.finished_at, goal.error = GoalStatus.ABORTED, AT, GoalError("blocked", "a box")
-    goal.last_event_id, goal.feedback_count, goal.stage, goal.retries = "0-z-x", 3, "approach", 1
-    return goal
-
-
-def decoded(document: object) -> Any:
-    return orjson.loads(encode(document))
-
-
-ROBOT = small_site.ROBOT | {"last_goal": decoded(ended_goal().state())}
+from tests.dock_hub.documents import AT, ROBOT, decoded, ended_goal
 
 
 def test_a_robot_gets_the_site_in_front_of_each_name() -> None:

@@ -24,7 +24,7 @@ from dock_gateway.settings import Settings
 from dock_hub import stop_routes
 from dock_hub.overview import Overview
 from dock_hub.stops import Stops
-from tests.dock_hub.test_stops import BERLIN, OSLO, TIMES, Answer, FakeSite, FakeSites, Store
+from tests.dock_hub.stopped_sites import BERLIN, OSLO, TIMES, Answer, FakeSite, FakeSites, Store
 from tests.support.audit import audit_parts
 from tests.support.history import HistoryInMemory
 

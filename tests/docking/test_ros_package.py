@@ -20,7 +20,7 @@ from docking.core.parameter import NodeSettings, from_values, parameters_of
 from docking.parameters import DockSettings, UndockSettings
 from docking.programs import MODULES as MODULES_OF_PROGRAMS
 from docking.simulation.parameters import SimulatorSettings
-from tests.docking.test_imports import MODULES, ROS_PARTS, imported
+from tests.docking.imports import MODULES, ROS_PARTS, imported
 
 # Imported where they are needed, and done without: the simulator has no camera then, and recordings are not replayed.
 # What mcap decompresses with comes with it.

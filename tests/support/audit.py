@@ -3,9 +3,12 @@
 import asyncio
 import itertools
 import sys
+from collections.abc import Callable
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
+
+import sqlalchemy as sa
 
 from dock_gateway.access.logins import Logins
 from dock_gateway.audit.record import RequestRecord
@@ -15,6 +18,7 @@ from dock_gateway.core.errors import Unavailable
 from dock_gateway.extension import Installed, extensions
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.settings import Settings
+from dock_gateway.storage.history import open_database
 from tests.support.history import HistoryInMemory, open_at
 from tests.support.waiting import until
 
@@ -79,6 +83,21 @@ async def append_on(url: str, folder: str, first: int) -> None:
             except Unavailable:
                 continue
             print("stored", number, flush=True)
+
+
+async def change(url: str, work: Callable[[sa.Connection], object]) -> None:
+    """Do something to the tables, as somebody with access to the database can."""
+    database = open_database(url)
+    try:
+        await database.prepare()
+        await database.write(work)
+    finally:
+        await database.close()
+
+
+def statement(text: str) -> Callable[[sa.Connection], object]:
+    """What runs a statement of SQL, for `change`."""
+    return lambda connection: connection.execute(sa.text(text))
 
 
 if __name__ == "__main__":

@@ -7,14 +7,17 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 
+import orjson
 import uvicorn
+from starlette.requests import Request
+from starlette.responses import PlainTextResponse, Response
 from starlette.types import ASGIApp
 
 from dock_gateway.cli.server import Server
 from dock_gateway.http.edge.certificates import Certificates, load_certificates
 from dock_gateway.http.edge.forwarded import ForwardedHeaders
 from dock_gateway.http.edge.options import edge_options
-from dock_gateway.http.edge.security import SecurityHeaders
+from dock_gateway.http.edge.security import SECURITY_HEADERS, SecurityHeaders
 from dock_gateway.settings import Settings
 from tests.support.waiting import PATIENCE
 
@@ -84,3 +87,21 @@ async def serving(app: ASGIApp, **settings: object) -> AsyncIterator[Edge]:
             for connection in server.server_state.connections:
                 connection.transport.abort()
             await asyncio.sleep(0)
+
+
+async def hello(request: Request) -> Response:
+    """Answer what was asked for."""
+    return PlainTextResponse(f"{request.method} {request.url.path}")
+
+
+def code(answer: bytes) -> tuple[int, str]:
+    """Status and code of a refusal, which has all headers that it needs."""
+    head, _, body = answer.partition(b"\r\n\r\n")
+    lines = head.decode().split("\r\n")
+    headers = dict(line.split(": ", 1) for line in lines[1:])
+    assert headers["Content-Type"] == "application/problem+json"
+    assert headers.items() >= SECURITY_HEADERS.items()
+    assert headers["Connection"] == "close"
+    problem = orjson.loads(body)
+    assert problem["detail"]
+    return problem["status"], problem["code"]

@@ -122,3 +122,8 @@ class Site:
             "server": ("127.0.0.1", 8000),
             "state": {"parts": self.parts},
         }
+
+
+async def log_out(site: Site) -> None:
+    """End the login with which requests are sent."""
+    await site.logins.log_out(site.secret)

@@ -16,13 +16,10 @@ from websockets.exceptions import ConnectionClosed
 from tests.support.clients import HttpClient
 from tests.support.gateway import LOW, RunningGateway, ready_gateway, running_dock_server, running_gateway
 from tests.support.installed import needs
-from tests.support.processes import BIN, Process, free_port, ros_environment
+from tests.support.processes import BIN, GONE_WITHIN, Process, free_port, ros_environment
 from tests.support.waiting import PATIENCE, wait_until
 
 pytestmark = pytest.mark.ros
-
-# The promise is 3 s; a machine that is shared gets twice that.
-GONE_WITHIN = 6.0
 
 
 def alive(pid: int) -> bool:

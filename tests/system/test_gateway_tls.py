@@ -21,13 +21,11 @@ from websockets.sync.client import ClientConnection
 from tests.support.certificates import Authority, Pair
 from tests.support.clients import HttpClient, connect, server_sent_events
 from tests.support.gateway import LOW, RunningGateway, Stream, ready_gateway, running_gateway
-from tests.support.processes import BIN, Process, ros_environment
+from tests.support.processes import BIN, GONE_WITHIN, Process, ros_environment
 from tests.support.waiting import PATIENCE, wait_until
 
 pytestmark = pytest.mark.ros
 
-# The promise is 3 s; a machine that is shared gets twice that.
-GONE_WITHIN = 6.0
 DOCKERFILE = Path(__file__).parents[2] / "backend" / "Dockerfile"
 UPGRADE = (
     b"GET %s HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"

@@ -2,22 +2,20 @@
 
 import asyncio
 import json
-import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from fastapi.routing import APIRoute, APIWebSocketRoute
+from fastapi.routing import APIWebSocketRoute
 from hypothesis import HealthCheck, given, settings
 from starlette.testclient import TestClient, WebSocketDenialResponse, WebSocketTestSession
 
 from dock_gateway.access.logins import Logins
 from dock_gateway.access.tickets import Tickets
-from dock_gateway.app import api_routers, create_app
+from dock_gateway.app import create_app
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.extension import extensions
 from dock_gateway.http.operation import operation_of
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.ros.bridge import Bridge
@@ -25,16 +23,10 @@ from dock_gateway.settings import Settings
 from tests.support.audit import audit_parts
 from tests.support.history import HistoryInMemory
 from tests.support.parts import Refusing
+from tests.support.routes import REQUESTS, ROUTES_OF_API, path_of
 from tests.support.shapes import check_answer
 from tests.support.versions import STEPS, Resource, Step, require_that_nothing_is_lost
 
-ROUTES_OF_API = [route for router in api_routers(Settings(), extensions()) for route in router.routes]
-REQUESTS = [
-    (method, route.path, operation_of(route.endpoint))
-    for route in ROUTES_OF_API
-    if isinstance(route, APIRoute)
-    for method in route.methods
-]
 SOCKETS = [
     (route.path, operation_of(route.endpoint).role) for route in ROUTES_OF_API if isinstance(route, APIWebSocketRoute)
 ]
@@ -103,12 +95,6 @@ def described(name: str | None, kind: str, role: str, robots: list[str] | None =
 
 def connect(client: TestClient, path: str, **options: Any) -> WebSocketTestSession:
     return client.websocket_connect(f"ws://127.0.0.1:8000{path}", **options)
-
-
-def path_of(template: str) -> str:
-    """Return a path that the route takes."""
-    ids = "00000000-0000-4000-8000-000000000000"
-    return re.sub(r"\{(\w+)(:\w+)?\}", lambda match: ids if match[1] == "goal_id" else "x1", template)
 
 
 def test_without_a_token_there_are_health_checks_and_the_login(site: Site) -> None:

@@ -13,7 +13,7 @@ from dock_gateway.core.grant import Grant, Role
 from dock_gateway.extension import extensions
 from dock_gateway.http.operation import operation_of
 from dock_gateway.settings import Settings
-from tests.support.held_back import PASSWORD, Change, Site
+from tests.support.held_back import PASSWORD, Change, Site, log_out
 from tests.support.history import make_goal
 from tests.support.waiting import until
 
@@ -27,10 +27,6 @@ CHANGES = [
 ]
 
 pytestmark = pytest.mark.usefixtures("quick_hashes")
-
-
-async def log_out(site: Site) -> None:
-    await site.logins.log_out(site.secret)
 
 
 async def disable(site: Site) -> None:

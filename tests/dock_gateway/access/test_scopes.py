@@ -27,11 +27,11 @@ from dock_gateway.robots.robots import Robots
 from dock_gateway.settings import Settings
 from dock_gateway.streams.commands import COMMANDS
 from dock_gateway.streams.socket import OPERATIONS
-from tests.dock_gateway.access.test_authorization import REQUESTS, path_of
 from tests.support.audit import audit_parts
 from tests.support.history import HistoryInMemory
 from tests.support.parts import Refusing
 from tests.support.robot_actions import make_robot_actions
+from tests.support.routes import REQUESTS, path_of
 
 SETTINGS = Settings(authentication=True, database_url="sqlite:////nowhere")
 GOAL, UNKNOWN = "00000000-0000-4000-8000-000000000000", "00000000-0000-4000-8000-000000000001"

@@ -16,8 +16,8 @@ from dock_gateway.fleet import alert_kinds
 from dock_gateway.fleet.alert import Acknowledgement, Alert, alert_id
 from dock_gateway.fleet.alert_board import AlertBoard
 from dock_gateway.storage.shared_entries import SharedEntries
-from tests.dock_gateway.fleet.test_alert_rules import robot
 from tests.support.entries import EntriesInMemory
+from tests.support.robot_states import robot
 
 LOW, WELL = [robot(percentage=0.1)], [robot(percentage=0.9)]
 ID = alert_id(alert_kinds.LOW_BATTERY, "/robot1")

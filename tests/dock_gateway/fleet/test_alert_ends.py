@@ -20,8 +20,8 @@ from dock_gateway.goals.hints import Join
 from dock_gateway.storage import Incident
 from dock_hub.directory import SILENT_AFTER, SiteState
 from dock_hub.overview import Overview
-from tests.dock_gateway.fleet.test_alert_rules import CHARGING, NOON, WRONG, goal, robot
 from tests.support.history import HistoryInMemory
+from tests.support.robot_states import CHARGING, NOON, WRONG, goal, robot
 from tests.support.waiting import until
 
 DOCUMENT = Path(__file__).parents[3] / "docs/robots.md"

@@ -1,72 +1,20 @@
 """What is worth an alert, since when, and until when."""
 
 from dataclasses import replace
-from datetime import UTC, datetime, timedelta
-from types import SimpleNamespace
+from datetime import timedelta
 from typing import Any
 
 import pytest
 
-from dock_gateway.core.battery import CHARGES_NEGATIVE, BatteryReading, Doubt
+from dock_gateway.core.battery import CHARGES_NEGATIVE
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.fleet import alert_kinds
 from dock_gateway.fleet.alert import Acknowledgement, Alert, alert_id
 from dock_gateway.fleet.alert_rules import AlertRules
 from dock_gateway.fleet.findings import Finding, FindingKind
 from dock_gateway.fleet.robot_state import RobotState
-from dock_gateway.goals.liveness import ServerState
-from dock_gateway.robots.labels import NO_LABEL
 from dock_gateway.storage import Incident
-
-NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)
-UNKNOWN, CHARGING, DISCHARGING, NOT_CHARGING, FULL = 0, 1, 2, 3, 4
-WRONG = Doubt("percentage", 12.0, "0 to 1", "Name the robot.")
-
-
-def goal(action: str, status: GoalStatus = GoalStatus.EXECUTING, at: datetime = NOON) -> Goal:
-    goal = Goal("a", action, "pkg/action/Dock", at)
-    goal.advance(status, at)
-    return goal
-
-
-def robot(
-    name: str = "/robot1",
-    *,
-    supply: int = DISCHARGING,
-    percentage: float | None = 0.5,
-    current: float | None = None,
-    doubts: tuple[Doubt, ...] = (),
-    named: tuple[Doubt, ...] = (),
-    stale_since: datetime | None = None,
-    latched: bool = False,
-    persisted: bool = True,
-    contact: bool | None = None,
-    **more: Any,
-) -> RobotState:
-    battery = SimpleNamespace(
-        reading=BatteryReading(supply, percentage, current, doubts, named), stale_since=stale_since
-    )
-    known: dict[str, Any] = {
-        "label": NO_LABEL,
-        "default": False,
-        "battery": battery,
-        "battery_topic": f"{name}/battery_status",
-        "publisher": None,
-        "stop": {
-            "latched": latched,
-            "stopped_at": NOON if latched else None,
-            "by": "Ada" if latched else None,
-            "persisted": persisted,
-        },
-        "simulator": None if contact is None else {"contact": contact, "docked": None},
-        "dock": ServerState(f"{name}/dock", "pkg/action/Dock", available=True, answering=True),
-        "undock": ServerState(f"{name}/undock", "pkg/action/Dock", available=True, answering=True),
-        "goals": [],
-        "lost": [],
-        "last_goal": None,
-        "left_docked": None,
-    }
-    return RobotState(name, **(known | more))
+from tests.support.robot_states import CHARGING, DISCHARGING, FULL, NOON, NOT_CHARGING, UNKNOWN, WRONG, goal, robot
 
 
 class Looks:

@@ -4,7 +4,7 @@ import asyncio
 import signal
 import subprocess
 import sys
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from datetime import timedelta
 from pathlib import Path
@@ -18,7 +18,7 @@ from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.storage import History, audit, immediate, sqlite
 from dock_gateway.storage.history import open_database
-from tests.support.audit import NOON, make_entry
+from tests.support.audit import NOON, change, make_entry, statement
 from tests.support.history import history_at, locked, open_place
 from tests.support.waiting import PATIENCE, until
 
@@ -35,16 +35,6 @@ async def opened(url: str, folder: Path, **limits: Any) -> AsyncIterator[History
         yield history
 
 
-async def change(url: str, work: Callable[[sa.Connection], object]) -> None:
-    """Do something to the tables, as somebody with access to the database can."""
-    database = open_database(url)
-    try:
-        await database.prepare()
-        await database.write(work)
-    finally:
-        await database.close()
-
-
 async def check(url: str, expected: str | None = None) -> Verdict:
     database = open_database(url)
     try:
@@ -52,10 +42,6 @@ async def check(url: str, expected: str | None = None) -> Verdict:
         return await database.read(audit.check, expected)
     finally:
         await database.close()
-
-
-def statement(text: str) -> Callable[[sa.Connection], object]:
-    return lambda connection: connection.execute(sa.text(text))
 
 
 async def sequences(history: History, **wanted: Any) -> list[int]:

@@ -8,11 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.dock_gateway.storage.test_outage import Outage, outage
+from tests.dock_gateway.storage.conftest import Outage
 from tests.support.history import open_at, written
 from tests.support.waiting import until
-
-__all__ = ["outage"]
 
 
 def keep_and_die(url: str, folder: Path, last: int) -> str:

@@ -5,8 +5,8 @@ import itertools
 import shutil
 import threading
 import time
-from collections.abc import AsyncIterator, Callable, Iterator
-from contextlib import AbstractContextManager, asynccontextmanager, contextmanager
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,7 @@ from dock_gateway.core.tasks import cancel
 from dock_gateway.storage import GoalFilter, History, queries, writer
 from dock_gateway.storage.database import brief
 from dock_gateway.storage.sqlite import SqliteDatabase
+from tests.dock_gateway.storage.conftest import Outage, stopped
 from tests.support.history import EVERYTHING, history_at, locked, make_event, make_goal, open_at, timed, written
 from tests.support.postgresql import PostgreSQL
 from tests.support.waiting import until
@@ -27,8 +28,6 @@ from tests.support.waiting import until
 # Seconds that a busy machine may take where 100 ms are waited for the database. A transaction may take 10 s.
 QUICK = 5.0
 BARRED = "the history database does not answer"
-
-Outage = Callable[[], AbstractContextManager[None]]
 
 
 @pytest.fixture(autouse=True)
@@ -52,27 +51,6 @@ async def happening(outage: Outage) -> AsyncIterator[None]:
         yield
     finally:
         await asyncio.to_thread(manager.__exit__, None, None, None)
-
-
-@contextmanager
-def stopped(server: PostgreSQL) -> Iterator[None]:
-    server.stop()
-    try:
-        yield
-    finally:
-        server.start()
-
-
-@pytest.fixture(params=["sqlite locked", "postgresql stopped", "postgresql frozen"])
-def outage(request: pytest.FixtureRequest) -> tuple[str, Outage]:
-    """A database, and how to have it not answer."""
-    kind: str = request.param
-    if kind == "sqlite locked":
-        url: str = request.getfixturevalue("sqlite_url")
-        return url, lambda: locked(url.removeprefix("sqlite:///"))
-    url = request.getfixturevalue("postgresql_url")
-    server: PostgreSQL = request.getfixturevalue("postgresql_server")
-    return url, (lambda: stopped(server)) if kind == "postgresql stopped" else server.frozen
 
 
 async def test_an_outage_has_a_reason_from_its_first_moment_on(outage: tuple[str, Outage], tmp_path: Path) -> None:

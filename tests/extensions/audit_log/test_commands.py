@@ -7,8 +7,7 @@ import pytest
 from click.testing import CliRunner
 
 from dock_gateway.cli import main
-from tests.dock_gateway.storage.test_audit import change, statement
-from tests.support.audit import make_entry
+from tests.support.audit import change, make_entry, statement
 from tests.support.history import open_at
 from tests.support.waiting import until
 

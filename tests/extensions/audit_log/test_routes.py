@@ -10,9 +10,9 @@ import pytest
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.grant import Role
 from dock_gateway.extensions.audit_log.routes import ROWS
-from tests.dock_gateway.access import test_held_back as held_back
-from tests.dock_gateway.audit.test_trail import Site
+from tests.support import held_back
 from tests.support.audit import make_entry
+from tests.support.audited_site import Site
 from tests.support.shapes import check_answer
 
 

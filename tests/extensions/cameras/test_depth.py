@@ -17,7 +17,7 @@ from dock_gateway.extensions.cameras.depth import read_depth
 from dock_gateway.extensions.cameras.picture import JPEG, PNG, Picture, read_picture
 from dock_gateway.extensions.cameras.pixels import Unreadable
 from dock_gateway.extensions.cameras.png import MAX_SIDE, read_png
-from tests.extensions.cameras.test_picture import received
+from tests.extensions.cameras.messages import received
 from tests.support.pictures import chunk, encode_png
 
 FILTERS = st.lists(st.integers(0, 4), min_size=1, max_size=5)

@@ -2,7 +2,7 @@
 
 from contextlib import suppress
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,25 +10,14 @@ import simplejpeg
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.extensions.cameras.camera import COMPRESSED, IMAGE
+from dock_gateway.extensions.cameras.camera import IMAGE
 from dock_gateway.extensions.cameras.picture import JPEG, MOST_BYTES, PNG, Picture, Unreadable, read_picture
 from dock_gateway.graph.received import Received
+from tests.extensions.cameras.messages import received
 from tests.support.pictures import BASELINE, GRAY, PROGRESSIVE, RESTARTING, encode_png, with_fill_bytes, with_thumbnail
 
 NUMBERS = np.tile(np.arange(160, dtype=np.uint8), (90, 1))
 PNG_FILE = encode_png(NUMBERS)
-
-
-def received(decoded: Any, kind: str = COMPRESSED, size: int = 100) -> Received:
-    def decode(_: bytes) -> Any:
-        if decoded is None:
-            raise ValueError("no such bytes")
-        return decoded
-
-    message = SimpleNamespace(
-        kind=SimpleNamespace(name=kind, decode=decode), data=b"", size=size, received_ns=1_700_000_000_250_000_000
-    )
-    return cast("Received", message)
 
 
 def compressed(data: bytes, name: str = "jpeg") -> Received:

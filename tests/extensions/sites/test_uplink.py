@@ -23,9 +23,9 @@ from dock_gateway.sites.seals import KeyAgreement
 from dock_gateway.sites.subscription import SiteMessage
 from dock_hub.site_client import READER
 from dock_hub.sites import Sites
-from tests.dock_hub.test_hub import Hub, hub_at
 from tests.support.history import HistoryInMemory
 from tests.support.nats import NatsServer, nats_server
+from tests.support.open_hub import Hub, hub_at
 from tests.support.small_site import APP, broker_of
 from tests.support.waiting import until
 

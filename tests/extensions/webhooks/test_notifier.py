@@ -20,8 +20,8 @@ from dock_gateway.fleet.alert_board import AlertBoard
 from dock_gateway.http.schema import RobotSelection
 from dock_gateway.robots.labels import Labels, RobotLabel
 from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
-from tests.dock_gateway.fleet.test_alert_rules import robot
 from tests.support.entries import SharedStore
+from tests.support.robot_states import robot
 from tests.support.waiting import until
 from tests.support.webhooks import Receiver
 

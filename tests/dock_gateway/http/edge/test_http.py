@@ -11,7 +11,6 @@ from contextlib import AsyncExitStack, suppress
 from http.client import HTTPConnection
 
 import httpx2
-import orjson
 import pytest
 from starlette.applications import Starlette
 from starlette.requests import Request
@@ -19,16 +18,11 @@ from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route
 
 from dock_gateway.http.edge import http
-from dock_gateway.http.edge.security import SECURITY_HEADERS
-from tests.support.edge import HOST, serving
+from tests.support.edge import HOST, code, hello, serving
 
 START = b"GET / HTTP/1.1\r\n" + HOST
 PAGE = 20_000_000
 LARGE = b"x" * 20_000_000
-
-
-async def hello(request: Request) -> Response:
-    return PlainTextResponse(f"{request.method} {request.url.path}")
 
 
 async def echo(request: Request) -> Response:
@@ -53,19 +47,6 @@ app = Starlette(
 def code_of(answer: bytes) -> int:
     """Status of an answer."""
     return int(answer.split(b" ", 2)[1])
-
-
-def code(answer: bytes) -> tuple[int, str]:
-    """Status and code of a refusal, which has all headers that it needs."""
-    head, _, body = answer.partition(b"\r\n\r\n")
-    lines = head.decode().split("\r\n")
-    headers = dict(line.split(": ", 1) for line in lines[1:])
-    assert headers["Content-Type"] == "application/problem+json"
-    assert headers.items() >= SECURITY_HEADERS.items()
-    assert headers["Connection"] == "close"
-    problem = orjson.loads(body)
-    assert problem["detail"]
-    return problem["status"], problem["code"]
 
 
 @pytest.mark.parametrize(

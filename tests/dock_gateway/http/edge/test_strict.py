@@ -12,8 +12,7 @@ from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route
 
 from dock_gateway.http.edge.strict import StrictConnection
-from tests.dock_gateway.http.edge.test_http import code
-from tests.support.edge import HOST, serving
+from tests.support.edge import HOST, code, serving
 
 seen: list[bytes] = []
 

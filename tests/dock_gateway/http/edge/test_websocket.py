@@ -16,8 +16,7 @@ from websockets.frames import Frame, Opcode
 
 from dock_gateway.http.edge import connection
 from dock_gateway.http.edge import websocket as edge_websocket
-from tests.dock_gateway.http.edge.test_http import code, hello
-from tests.support.edge import HOST, Edge, serving
+from tests.support.edge import HOST, Edge, code, hello, serving
 from tests.support.waiting import until
 
 UPGRADE = b"Connection: Upgrade\r\nUpgrade: websocket\r\n"

@@ -8,8 +8,8 @@ import pytest
 
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
 from tests.support.otlp import Collector, attributes, running_collector
+from tests.support.processes import GONE_WITHIN
 from tests.support.waiting import wait_until
-from tests.system.test_gateway_exit import GONE_WITHIN
 
 pytestmark = pytest.mark.ros
 
