@@ -2,11 +2,12 @@
 
 from typing import Any
 
-from rclpy.event_handler import PublisherEventCallbacks
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.subscription import Subscription
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 
@@ -17,11 +18,27 @@ def node_name(info: TopicEndpointInfo) -> str:
     return f"{info.node_namespace.rstrip('/')}/{info.node_name}"
 
 
-def busy_publisher(node: Node, message_type: Any, topic: str, qos: QoSProfile | int = 10) -> Publisher:
-    """A publisher of a node that publishes often.
+class WithoutEvents:
+    """A mixin for nodes: no publisher and no subscription has event callbacks, not even those that rclpy makes.
 
-    The executor would check each event of a publisher at every tick, so it has none; a subscription that does not match
-    warns by itself.
+    The executor would check each of them whenever anything happens, which is half of what a node costs, and would wake
+    up for each message of a subscription that it leaves to others. The callbacks would warn of an endpoint that does
+    not match: the node of that endpoint warns as well.
+    """
+
+    def create_publisher(self, *args: Any, **options: Any) -> Publisher:
+        """Like rclpy's."""
+        options["event_callbacks"] = PublisherEventCallbacks(use_default_callbacks=False)
+        return super().create_publisher(*args, **options)  # type: ignore[misc]
+
+    def create_subscription(self, *args: Any, **options: Any) -> Subscription:
+        """Like rclpy's."""
+        options["event_callbacks"] = SubscriptionEventCallbacks(use_default_callbacks=False)
+        return super().create_subscription(*args, **options)  # type: ignore[misc]
+
+
+def overridable_publisher(node: Node, message_type: Any, topic: str, qos: QoSProfile | int = 10) -> Publisher:
+    """A publisher whose quality of service the node's parameters can override.
 
     Args:
         node: The node that publishes.
@@ -30,9 +47,5 @@ def busy_publisher(node: Node, message_type: Any, topic: str, qos: QoSProfile | 
         qos: The quality of service, or its depth.
     """
     return node.create_publisher(
-        message_type,
-        topic,
-        qos,
-        qos_overriding_options=QoSOverridingOptions.with_default_policies(),
-        event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
+        message_type, topic, qos, qos_overriding_options=QoSOverridingOptions.with_default_policies()
     )

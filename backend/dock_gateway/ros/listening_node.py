@@ -4,7 +4,6 @@ from typing import Any
 
 from rclpy.client import Client
 from rclpy.context import Context
-from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
@@ -15,10 +14,11 @@ from dock_gateway.core.own_topics import OwnTopics
 from dock_gateway.ros.graph import read_topic
 from dock_gateway.ros.listener import AnswerListener, Handler, MessageListener
 from dock_gateway.ros.messages.types import type_name
+from robot_io.endpoints import WithoutEvents
 from robot_io.rclpy_private import NotForExecutors
 
 
-class ListeningNode(Node):  # type: ignore[misc]
+class ListeningNode(WithoutEvents, Node):  # type: ignore[misc]
     """A node whose clients and subscriptions are served by listeners, and its services by the executor."""
 
     def __init__(
@@ -38,13 +38,12 @@ class ListeningNode(Node):  # type: ignore[misc]
         super().__init__(name, namespace=namespace, context=context, **options)
 
     def create_publisher(self, msg_type: Any, topic: str, *args: Any, **options: Any) -> Publisher:
-        """Like rclpy's, but without event callbacks, which the executor would check for each message.
+        """Like rclpy's.
 
         Raises:
             Conflict: `topic_in_use`: it is a topic of the gateway, which has another type.
         """
         self._require_own_type(msg_type, topic)
-        options["event_callbacks"] = PublisherEventCallbacks(use_default_callbacks=False)
         return super().create_publisher(msg_type, topic, *args, **options)
 
     def subscribe(
@@ -64,8 +63,6 @@ class ListeningNode(Node):  # type: ignore[misc]
             Conflict: `topic_in_use`: it is a topic of the gateway, which has another type.
         """
         self._require_own_type(kind, topic)
-        # An executor that waits for a subscription's events also wakes up for each of its messages.
-        options["event_callbacks"] = SubscriptionEventCallbacks(use_default_callbacks=False)
         options["callback_group"] = NotForExecutors()
         subscription = self.create_subscription(kind, topic, handler, quality, raw=raw, **options)
         self._messages.add(subscription)

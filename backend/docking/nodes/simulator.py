@@ -50,7 +50,7 @@ from docking.simulation.parameters import SimulatorSettings
 from docking.simulation.room import WORKSHOP
 from docking.simulation.simulation import Simulation
 from docking.simulation.status import Status, status_of
-from robot_io.endpoints import busy_publisher
+from robot_io.endpoints import WithoutEvents, overridable_publisher
 from robot_io.qos import LATCHED, LATEST
 
 PERIOD = 1.0 / 30.0
@@ -63,7 +63,7 @@ LONGEST_LAPSE = 0.25
 RECEIVERS = ("left", "center", "right")
 
 
-class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
+class DockSimulator(WithoutEvents, Node):  # type: ignore[misc] # rclpy has no types
     """Drives by `cmd_vel`; publishes the sensor readings of the robot, and the ground truth.
 
     Everything here runs in the one thread that spins the node.
@@ -116,7 +116,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         return Simulation(replace(self._settings.settings, room=self._room), self._settings.seed)
 
     def _make_publishers(self) -> None:
-        publisher = partial(busy_publisher, self)
+        publisher = partial(overridable_publisher, self)
         self._odometry = publisher(Odometry, "odom")
         self._truth = publisher(Odometry, "ground_truth")
         self._marker = publisher(PoseStamped, "detected_dock_pose")

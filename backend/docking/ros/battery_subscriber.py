@@ -11,6 +11,7 @@ from sensor_msgs.msg import BatteryState
 
 from docking.core.battery import BATTERY_TYPE, Battery, BatteryReading, describe_absence
 from docking.ros.clock import control_time
+from robot_io.endpoints import WithoutEvents
 from robot_io.qos import LATEST
 from robot_io.reception import arrived_at
 
@@ -56,7 +57,7 @@ class BatterySearch:
         return self._words
 
 
-class BatteryStateSubscriber(Node):  # type: ignore[misc] # rclpy has no types
+class BatteryStateSubscriber(WithoutEvents, Node):  # type: ignore[misc] # rclpy has no types
     """Subscribes to `battery_status` (sensor_msgs/BatteryState)."""
 
     def __init__(self, battery: Battery, *, context: Context | None = None) -> None:

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
-from rclpy.qos_overriding_options import QoSOverridingOptions
 
 from docking.goal.report import Level, Report
+from robot_io.endpoints import overridable_publisher
 
 
 class Diagnostics:
@@ -23,9 +23,7 @@ class Diagnostics:
         self._prefix = f"{node.get_fully_qualified_name()[1:]}: "
         self._name = name
         # Absolute, as REP-107 has it: one topic for all robots; the name of the status says which one.
-        self._publisher = node.create_publisher(
-            DiagnosticArray, "/diagnostics", 10, qos_overriding_options=QoSOverridingOptions.with_default_policies()
-        )
+        self._publisher = overridable_publisher(node, DiagnosticArray, "/diagnostics")
 
     def publish(self, report: Report, errors: Mapping[str, str], warnings: Mapping[str, str]) -> None:
         """Publish a report.

@@ -3,9 +3,9 @@
 from geometry_msgs.msg import Point32, PolygonStamped
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos_overriding_options import QoSOverridingOptions
 
 from docking.core.footprint import Footprint
+from robot_io.endpoints import overridable_publisher
 from robot_io.qos import LATCHED
 
 TOPIC = "footprint"
@@ -29,12 +29,7 @@ class FootprintPublisher:
         if (footprint, frame) == self._published:
             return
         if self._publisher is None:
-            self._publisher = self._node.create_publisher(
-                PolygonStamped,
-                TOPIC,
-                LATCHED,
-                qos_overriding_options=QoSOverridingOptions.with_default_policies(),
-            )
+            self._publisher = overridable_publisher(self._node, PolygonStamped, TOPIC, LATCHED)
         message = PolygonStamped()
         message.header.frame_id = frame
         message.header.stamp = self._node.get_clock().now().to_msg()

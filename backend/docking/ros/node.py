@@ -37,6 +37,7 @@ from docking.ros.sensors import Sensor, Sensors
 from docking.ros.stop_listener import StopListener
 from docking.ros.transforms import Transforms
 from docking.ros.velocity import Drive
+from robot_io.endpoints import WithoutEvents
 from robot_io.rclpy_private import IdentifyingActionServer, goal_id_text
 
 FEEDBACK_PERIOD = 0.1
@@ -46,7 +47,7 @@ NAV2_NODE = "docking_server"
 DIAGNOSTICS_PERIOD = 1.0
 
 
-class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has no types
+class ActionNode(WithoutEvents, LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has no types
     """Serves an action whose goals move the robot; publishes `cmd_vel` and `/diagnostics`.
 
     It is a lifecycle node: goals are rejected unless it is active, which it becomes by itself (`autostart`).

@@ -6,12 +6,12 @@ from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos_overriding_options import QoSOverridingOptions
 
 from docking.core.errors import Stage
 from docking.core.geometry import Pose
 from docking.goal.outcome import Command
 from docking.ros.geometry import path_message, stamped_pose
+from robot_io.endpoints import overridable_publisher
 
 TOPICS = ("dock_pose", "filtered_dock_pose", "staging_pose")
 PLAN = "plan"
@@ -36,11 +36,9 @@ class PosePublishers:
     def switch(self, *, on: bool) -> None:
         """Make the publishers, or take them back."""
         if on and not self._publishers:
-            qos = QoSOverridingOptions.with_default_policies()
             for topic in (*TOPICS, PLAN):
-                self._publishers[topic] = self._node.create_publisher(
-                    Path if topic == PLAN else PoseStamped, topic, 10, qos_overriding_options=qos
-                )
+                kind = Path if topic == PLAN else PoseStamped
+                self._publishers[topic] = overridable_publisher(self._node, kind, topic)
         elif not on:
             while self._publishers:
                 self._node.destroy_publisher(self._publishers.popitem()[1])

@@ -13,7 +13,7 @@ from docking.simulation.faults import Fault
 from docking.simulation.marker import MarkerSettings
 from docking.simulation.parameters import DetectionFrame
 from docking.simulation.simulation import Simulation
-from robot_io.endpoints import busy_publisher
+from robot_io.endpoints import overridable_publisher
 
 PERIOD = 0.2
 """Between two pictures, in s."""
@@ -34,8 +34,8 @@ class SimulatorCamera:
         self._due = -math.inf
         self._encodes = importlib.util.find_spec("simplejpeg") is not None
         if self._encodes:
-            self._pictures = busy_publisher(node, CompressedImage, "camera/image_raw/compressed", NEWEST)
-            self._info = busy_publisher(node, CameraInfo, "camera/camera_info", NEWEST)
+            self._pictures = overridable_publisher(node, CompressedImage, "camera/image_raw/compressed", NEWEST)
+            self._info = overridable_publisher(node, CameraInfo, "camera/camera_info", NEWEST)
 
     def publish(self, simulation: Simulation) -> None:
         """Publish a picture if one is due and something subscribes to it.

@@ -14,7 +14,7 @@ from docking.ros.simulator_messages import BASE, LASER, MAP, ODOM, WORLD
 from docking.ros.transforms import FIXED, MOVING, TFMessage
 from docking.simulation.marker import CAMERA_X
 from docking.simulation.parameters import BaseFrame, DetectionFrame
-from robot_io.endpoints import busy_publisher
+from robot_io.endpoints import overridable_publisher
 from robot_io.qos import LATCHED
 from robot_io.transform import Transform
 
@@ -59,8 +59,8 @@ class SimulatorFrames:
         self._moving: Publisher | None = None
         if TFMessage is None:
             return
-        self._moving = busy_publisher(node, TFMessage, MOVING)
-        self._fixed = busy_publisher(node, TFMessage, FIXED, LATCHED)
+        self._moving = overridable_publisher(node, TFMessage, MOVING)
+        self._fixed = overridable_publisher(node, TFMessage, FIXED, LATCHED)
         now = node.get_clock().now().to_msg()
         transforms = [
             _stamped(BASE, DetectionFrame.CAMERA.value, self._camera, now),

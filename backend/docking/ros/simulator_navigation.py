@@ -23,7 +23,7 @@ from docking.ros.simulator_messages import BASE, MAP, ODOM, WORLD
 from docking.simulation.ride import MOTION, Ride
 from docking.simulation.route import NoWayError, Point, Routes
 from docking.simulation.simulation import Simulation
-from robot_io.endpoints import busy_publisher
+from robot_io.endpoints import overridable_publisher
 
 NO_VALID_PATH = 208
 """nav2's error_code of its planner."""
@@ -74,7 +74,7 @@ class SimulatorNavigation:
         self._routes = routes
         self._simulation = simulation
         self._goal: _Goal | None = None
-        self._plan = busy_publisher(node, Path, "plan", 1)
+        self._plan = overridable_publisher(node, Path, "plan", 1)
         self._server = ActionServer(
             node,
             NavigateToPose,

@@ -12,7 +12,7 @@ from docking.simulation.occupancy import map_of
 from docking.simulation.room import Room
 from docking.simulation.route import Routes
 from docking.simulation.simulation import Simulation
-from robot_io.endpoints import busy_publisher
+from robot_io.endpoints import overridable_publisher
 from robot_io.qos import LATCHED
 
 
@@ -31,7 +31,7 @@ class SimulatorRoom:
         if room is None:
             return
         grid = map_of(room, simulation().dock)
-        self._map = busy_publisher(node, OccupancyGrid, "map", LATCHED)
+        self._map = overridable_publisher(node, OccupancyGrid, "map", LATCHED)
         self._map.publish(map_message(grid, node.get_clock().now().to_msg()))
         if NavigateToPose is not None:
             self.navigation = SimulatorNavigation(node, Routes(grid, simulation().robot.radius), simulation)

@@ -5,11 +5,10 @@ from collections.abc import Set as AbstractSet
 from geometry_msgs.msg import Twist, Vector3
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos_overriding_options import QoSOverridingOptions
 
 from docking.core.observation import Velocity
 from docking.parameters import StampedCmdVel
-from robot_io.endpoints import node_name
+from robot_io.endpoints import node_name, overridable_publisher
 from robot_io.participants import SecondParticipant
 from robot_io.rclpy_private import RCLError
 from robot_io.velocity import CLASSES, velocity_message
@@ -125,9 +124,8 @@ class VelocityPublisher:
 
         Other nodes of the process decide, too, which type the node's participant has, and may change it.
         """
-        overriding = QoSOverridingOptions.with_default_policies()
         try:
-            return self._node.create_publisher(CLASSES[name], TOPIC, 10, qos_overriding_options=overriding)
+            return overridable_publisher(self._node, CLASSES[name], TOPIC)
         except RCLError:
             return self._other_node(name).create_publisher(CLASSES[name], self._topic, 10)
 
