@@ -144,6 +144,10 @@ def test_server_sent_events_until_the_end(gateway: RunningGateway, running: str)
     with gateway.http.stream("GET", f"/dock/{running}/events") as response:
         (only,) = [event for _, event in server_sent_events(response)]
     assert only["goals"][0]["status"] == "succeeded"
+    # An `EventSource` connects again, with the id of what it has seen last, until there is an answer without content.
+    for seen in (rest[-1], only):
+        over = gateway.http.get(f"/goals/{running}/events", headers={"Last-Event-ID": seen["id"]})
+        assert (over.status_code, over.content) == (204, b"")
 
 
 def test_server_sent_events_of_nothing(gateway: RunningGateway) -> None:
@@ -151,6 +155,7 @@ def test_server_sent_events_of_nothing(gateway: RunningGateway) -> None:
     assert (unknown.status_code, unknown.json()["code"]) == (404, "goal_not_found")
     wrong = gateway.http.get("/dock/7d9c1c9e-0000-4000-8000-000000000000/events", headers={"Last-Event-ID": "x"})
     assert wrong.status_code == 422
+    assert [(error["in"], error["path"]) for error in wrong.json()["errors"]] == [("header", "Last-Event-ID")]
 
 
 def test_readers_that_leave_are_forgotten(gateway: RunningGateway, running: str) -> None:

@@ -20,13 +20,15 @@ from dock_gateway.http.methods import AllowedMethods
 
 MEDIA_TYPE = "application/problem+json"
 INTERNAL = GatewayError("internal error; the gateway's log has the details")
+# What may succeed later: the answer says when.
+RETRIED = {HTTPStatus.SERVICE_UNAVAILABLE, HTTPStatus.TOO_MANY_REQUESTS}
 CODES = {307: "redirected", 404: "not_found", 405: "method_not_allowed"}
 
 
 def problem_response(error: GatewayError) -> Response:
     """Return the answer for an error."""
     headers = {}
-    if error.status in (HTTPStatus.SERVICE_UNAVAILABLE, HTTPStatus.TOO_MANY_REQUESTS):
+    if error.status in RETRIED:
         headers["Retry-After"] = str(error.extra.get("retry_after", 1))
     if error.status is HTTPStatus.UNAUTHORIZED:
         headers["WWW-Authenticate"] = "Bearer"
@@ -40,7 +42,14 @@ def problem_response(error: GatewayError) -> Response:
 def problems(*statuses: int, schema: str = "Problem") -> dict[int | str, dict[str, Any]]:
     """Return the `responses=` of a route that can fail with these statuses."""
     content = {MEDIA_TYPE: {"schema": {"$ref": f"#/components/schemas/{schema}"}}}
-    return {status: {"description": HTTPStatus(status).phrase, "content": content} for status in statuses}
+    found: dict[int | str, dict[str, Any]] = {
+        status: {"description": HTTPStatus(status).phrase, "content": content} for status in statuses
+    }
+    for status in RETRIED & set(statuses):
+        found[status]["headers"] = {
+            "Retry-After": {"description": "Seconds after which it may succeed", "schema": {"type": "integer"}}
+        }
+    return found
 
 
 def install_problems(app: FastAPI, allowed: AllowedMethods = lambda _: None, *, many_sites: bool = False) -> None:

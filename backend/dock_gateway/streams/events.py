@@ -5,7 +5,7 @@ import logging
 from collections.abc import AsyncGenerator, AsyncIterator, Coroutine
 from typing import Any
 
-from fastapi import APIRouter, Depends, Request, WebSocket
+from fastapi import APIRouter, Depends, WebSocket
 from starlette.responses import Response, StreamingResponse
 from starlette.websockets import WebSocketDisconnect
 
@@ -25,8 +25,15 @@ from dock_gateway.http.requests import GoalId, known_query
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.http.slow_clients import PacedResponse, send_in_time
 from dock_gateway.settings import Settings
-from dock_gateway.streams.feed import begin, end_of, feed, follow
-from dock_gateway.streams.queries import STREAM_QUERY, StreamQuery, read_after, read_event_filter, read_max_rate
+from dock_gateway.streams.feed import begin, end_of, feed, follow, has_seen_end
+from dock_gateway.streams.queries import (
+    STREAM_QUERY,
+    LastEventId,
+    StreamQuery,
+    read_after,
+    read_event_filter,
+    read_max_rate,
+)
 
 log = logging.getLogger(__name__)
 
@@ -34,7 +41,8 @@ router = APIRouter(route_class=ApiRoute, tags=["Events"])
 
 CLOSE_CODES = {"shutting_down": 1012, "too_slow": 1013, "invalid_token": 4401}
 SSE: dict[int | str, dict[str, Any]] = {
-    200: {"description": "Events, each with its id", "content": {"text/event-stream": {}}}
+    200: {"description": "Events, each with its id", "content": {"text/event-stream": {}}},
+    204: {"description": "The reader has seen the last event: an `EventSource` does not connect again"},
 }
 
 
@@ -107,13 +115,13 @@ class EventStream(PacedResponse):
 @at_goal(router, "GET", "/events", responses=SSE, response_class=StreamingResponse)
 @operation(Role.VIEWER, Scope.GOAL, errors=(429,))
 async def goal_events(
-    goal_id: GoalId, request: Request, parts: AllParts, principal: ThePrincipal, query: StreamQuery
+    goal_id: GoalId, parts: AllParts, principal: ThePrincipal, query: StreamQuery, last: LastEventId
 ) -> Response:
     """Stream the events of a goal as Server-Sent Events until it ends. `Last-Event-ID` resumes."""
-    last = request.headers.get("last-event-id")
-    after = read_after(query if last is None else {"after": last})
-    max_rate = read_max_rate(query)
+    after, max_rate = read_after(query) if last is None else last, read_max_rate(query)
     await parts[Goals].get(goal_id, principal.grant)
+    if last is not None and await has_seen_end(parts, goal_id, last):
+        return Response(status_code=204)
     chunks = _sse_chunks(parts, principal, {**query, "goal_id": goal_id}, after, max_rate)
     first = await anext(chunks)  # errors are raised before the stream begins
     return EventStream(first, chunks, parts[Settings].subscriber_timeout)

@@ -87,10 +87,10 @@ async def begin(parts: Parts, subscriber: Subscriber, after: str | None) -> Asyn
     subscriber.clear()  # everything up to now is in the snapshot or the replay
     newest = parts[Fanout].newest
     if after is not None and parts[Fanout].clock.is_past(after):
-        known = parts[Fanout].resolve(after)
-        missed = await _missed(parts, subscriber, known)
+        goal_id = subscriber.event_filter.goal_id
+        missed = await _missed(parts, subscriber, parts[Fanout].resolve(after))
         if missed.complete:
-            over = await _ended_before(parts, subscriber.event_filter, known)
+            over = goal_id is not None and await has_seen_end(parts, goal_id, after)
             yield notice("resumed", utc_now(), ends_goal=over, after=after, count=len(missed.events))
             for event in permitted(subscriber, (*missed.events, *parts[Present].events(subscriber.event_filter))):
                 yield event
@@ -112,12 +112,10 @@ def permitted(subscriber: Subscriber, events: Iterable[Event]) -> Iterator[Event
         yield event
 
 
-async def _ended_before(parts: Parts, event_filter: EventFilter, after: str) -> bool:
-    """Whether a reader of one goal that has seen the event `after` knows how that goal ended."""
-    if event_filter.goal_id is None:
-        return False
-    goal = await parts[Goals].get(event_filter.goal_id)
-    return goal.status.terminal and (goal.last_event_id or "") <= after
+async def has_seen_end(parts: Parts, goal_id: str, after: str) -> bool:
+    """Whether a reader that has seen the event `after`, of any gateway, knows how a goal ended."""
+    goal = await parts[Goals].get(goal_id)
+    return goal.status.terminal and (goal.last_event_id or "") <= parts[Fanout].resolve(after)
 
 
 async def _missed(parts: Parts, subscriber: Subscriber, after: str) -> LaterEvents:

@@ -3,10 +3,11 @@
 from collections.abc import Mapping
 from typing import Annotated
 
-from fastapi import Depends, Query
+from fastapi import Depends, Header, Query
 from pydantic import WithJsonSchema
+from pydantic.json_schema import SkipJsonSchema
 
-from dock_gateway.core.errors import FieldError, InvalidField, got, not_covered
+from dock_gateway.core.errors import FieldError, InvalidField, Place, got, not_covered
 from dock_gateway.core.filters import EventFilter, WithoutFeedback
 from dock_gateway.core.grant import Grant
 from dock_gateway.core.namespace import read_namespace
@@ -50,10 +51,30 @@ def read_after(query: Mapping[str, str]) -> str | None:
     Raises:
         InvalidField: It is not the id of an event.
     """
-    after = query.get("after")
-    if after is not None and not EVENT_ID.fullmatch(after):
-        raise InvalidField([FieldError("after", "the id of an event", f"got {after[:60]!r}", "query")])
-    return after
+    return _read_event_id(query.get("after"), "after", "query")
+
+
+async def _read_last_event_id(
+    last_event_id: Annotated[
+        str | SkipJsonSchema[None],
+        Header(
+            alias="Last-Event-ID",
+            description="Id of the event to resume after, as `after`, which it takes precedence over",
+            json_schema_extra={"pattern": f"^{EVENT_ID.pattern}$"},
+        ),
+    ] = None,
+) -> str | None:
+    return _read_event_id(last_event_id, "Last-Event-ID", "header")
+
+
+# The header of who resumes a stream of one goal.
+LastEventId = Annotated[str | None, Depends(_read_last_event_id)]
+
+
+def _read_event_id(text: str | None, name: str, where: Place) -> str | None:
+    if text is not None and not EVENT_ID.fullmatch(text):
+        raise InvalidField([FieldError(name, "the id of an event", f"got {text[:60]!r}", where)])
+    return text
 
 
 def read_max_rate(query: Mapping[str, str], lowest: float = MIN_RATE, highest: float = MAX_RATE) -> float | None:

@@ -34,6 +34,7 @@ from dock_gateway.http.requests import (
     read_json,
     read_wait,
 )
+from dock_gateway.http.resource import LOCATION_HEADER
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.operations.goals import CancelGoal, SendGoal, cancel_goal, send_goal
 from dock_gateway.storage import GoalFilter
@@ -89,6 +90,9 @@ class GoalCollection:
     listed: bool = True
 
 
+AT: dict[str, Any] = {"headers": LOCATION_HEADER}
+
+
 def routes_of(goals: GoalCollection) -> APIRouter:
     """Return the routes of one of these paths."""
     router = APIRouter(route_class=ApiRoute, tags=[goals.tag], prefix=goals.path)
@@ -100,7 +104,7 @@ def routes_of(goals: GoalCollection) -> APIRouter:
         description=goals.description,
         status_code=202,
         response_model=Goal,
-        responses={200: {"model": Goal, "description": "It ended"}},
+        responses={200: {"model": Goal, "description": "It ended"} | AT, 202: AT},
         openapi_extra={**goals.body, "parameters": HEADERS},
     )
     @carries_out(send_goal, goals.scope)
@@ -193,7 +197,7 @@ dock, undock, of_action = routes_of(DOCK), routes_of(UNDOCK), routes_of(ACTION)
 canceling = APIRouter(route_class=ApiRoute, tags=["Goals"])
 
 
-@at_goal(canceling, "POST", "/cancel", name="cancel_goal", status_code=202)
+@at_goal(canceling, "POST", "/cancel", name="cancel_goal", status_code=202, responses={202: AT})
 @carries_out(cancel_goal)
 async def cancel(goal_id: GoalId, parts: AllParts, principal: ThePrincipal) -> Answer[Goal]:
     """Ask the action server to cancel a goal of any client."""
