@@ -15,12 +15,14 @@ from dock_gateway.core.event import utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.extensions.automation import docking
+from dock_gateway.extensions.automation import facts
 from dock_gateway.extensions.automation.activity import Activity
 from dock_gateway.extensions.automation.decision import DecisionEntry, DecisionOutcome, RuleMode
 from dock_gateway.extensions.automation.decisions import DecisionLog
 from dock_gateway.extensions.automation.docking import AutomaticDocking
+from dock_gateway.extensions.automation.facts import FactReader
 from dock_gateway.extensions.automation.rule import BatteryCondition, RuleEntry
+from dock_gateway.extensions.automation.rules import DockingRules
 from dock_gateway.fleet.fleet import Fleet
 from dock_gateway.goals.liveness import ServerState
 from dock_gateway.goals.registry import ActionRegistry
@@ -105,22 +107,23 @@ class Site:
         )
         return activity
 
-    def gateway(self, sync_every: int = 2) -> AutomaticDocking:
-        self.activities.append(self.activity())
+    def gateway(self, sync_every: int = 2) -> DockingRules:
+        fleet, activity = cast("Fleet", self.robot), self.activity()
+        rules = DockingRules(fleet, SharedBook(self.rules, "rule", 50), DecisionLog(self.fanout, self.stored))
         gateway = AutomaticDocking(
-            cast("Fleet", self.robot),
-            cast("ActionRegistry", self.robot),
-            cast("RobotActions", self.robot),
-            cast("History", self.history),
-            activity=self.activities[-1],
-            rules=SharedBook(self.rules, "rule", 50),
-            decisions=DecisionLog(self.fanout, self.stored),
+            rules,
+            FactReader(fleet, activity),
+            activity,
+            actions=cast("ActionRegistry", self.robot),
+            robot_actions=cast("RobotActions", self.robot),
+            history=cast("History", self.history),
             interval=0.01,
             sync_every=sync_every,
         )
+        self.activities.append(activity)
         self.gateways.append(gateway)
         gateway.start()
-        return gateway
+        return rules
 
     async def decided(self, count: int = 1) -> list[DecisionEntry]:
         def all_final() -> list[DecisionEntry]:
@@ -174,7 +177,7 @@ async def test_a_robot_that_has_slid_off_its_contacts_is_docked_again(
     site: Site, monkeypatch: pytest.MonkeyPatch, power_supply: int, contact: bool | None, docks: bool
 ) -> None:
     """By its goals it is docked still; a battery that discharges for a while says otherwise, unless it touches."""
-    monkeypatch.setattr(docking, "OFF_CHARGER", 0.3)
+    monkeypatch.setattr(facts, "OFF_CHARGER", 0.3)
     site.robot.on_dock, site.robot.power_supply = True, power_supply
     site.robot.simulator = None if contact is None else {"contact": contact, "docked": False}
     gateway = site.gateway()

@@ -11,8 +11,8 @@ from dock_gateway.core.event import utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.extensions.automation.decision import DecisionEntry, DecisionOutcome
 from dock_gateway.extensions.automation.decisions import DecisionLog
-from dock_gateway.extensions.automation.docking import AutomaticDocking
 from dock_gateway.extensions.automation.rule import RuleEntry
+from dock_gateway.extensions.automation.rules import DockingRules
 from dock_gateway.fleet.fleet import Fleet
 from dock_gateway.goals.known_robots import KnownRobots
 from dock_gateway.storage.shared_entries import SharedBook
@@ -37,17 +37,12 @@ class Client(RouteClient):
         self.history = HistoryInMemory()
         labels = {"/": (), "/robot1": ("hall 1",)}
         states = [SimpleNamespace(name=name, label=SimpleNamespace(groups=groups)) for name, groups in labels.items()]
-        unused: Any = None  # it is not started
-        docking = AutomaticDocking(
+        rules = DockingRules(
             cast("Fleet", SimpleNamespace(states=lambda: states)),
-            unused,
-            unused,
-            self.history,
-            activity=unused,
-            rules=SharedBook(self.history.documents("rule", RuleEntry), "rule", 2),
-            decisions=DecisionLog(Fanout(queue_limit=1), self.history.documents("decision", DecisionEntry)),
+            SharedBook(self.history.documents("rule", RuleEntry), "rule", 2),
+            DecisionLog(Fanout(queue_limit=1), self.history.documents("decision", DecisionEntry)),
         )
-        super().__init__({AutomaticDocking: docking, KnownRobots: make_known_robots(self.history, "/", "/robot1")})
+        super().__init__({DockingRules: rules, KnownRobots: make_known_robots(self.history, "/", "/robot1")})
 
     def put(self, rule: object, status: int = 200, rule_id: str = "night") -> Any:
         path = "/automation/rules/{rule_id}"

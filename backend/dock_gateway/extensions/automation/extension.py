@@ -9,10 +9,12 @@ from dock_gateway.extension import Extension
 from dock_gateway.extensions.automation.activity import Activity
 from dock_gateway.extensions.automation.decision import DecisionEntry
 from dock_gateway.extensions.automation.decisions import DecisionLog
-from dock_gateway.extensions.automation.docking import MAX_RULES, AutomaticDocking
+from dock_gateway.extensions.automation.docking import AutomaticDocking
 from dock_gateway.extensions.automation.error_codes import CODES
+from dock_gateway.extensions.automation.facts import FactReader
 from dock_gateway.extensions.automation.routes import router
 from dock_gateway.extensions.automation.rule import RuleEntry
+from dock_gateway.extensions.automation.rules import MAX_RULES, DockingRules
 from dock_gateway.extensions.automation.schema import AutomationEvent
 from dock_gateway.fleet.alert import Alert
 from dock_gateway.fleet.alert_board import AlertBoard
@@ -34,10 +36,11 @@ GAVE_UP = AlertKind("automatic_docking_failed")
 
 
 @asynccontextmanager
-async def open_automation(parts: Parts) -> AsyncIterator[AutomaticDocking]:
+async def open_automation(parts: Parts) -> AsyncIterator[DockingRules]:
     """Apply the rules."""
     async with AsyncExitStack() as stack:
         robots, actions, history = parts[RobotRegistry], parts[ActionRegistry], parts[History]
+        fleet, graph_watch = parts[Fleet], parts[GraphWatch]
         activity = Activity(robots)
         stack.enter_context(actions.on_end.adding(activity.on_end))
         stack.enter_context(parts[Stopper].on_stop.adding(activity.intervened))
@@ -47,22 +50,17 @@ async def open_automation(parts: Parts) -> AsyncIterator[AutomaticDocking]:
         )
         decisions = DecisionLog(parts[Fanout], history.documents("decision", DecisionEntry))
         stack.enter_context(parts[AlertBoard].sources.adding(lambda: gave_up(decisions, robots.namespaces())))
-        docking = closed_by(
-            stack,
-            AutomaticDocking(
-                parts[Fleet],
-                actions,
-                parts[RobotActions],
-                history,
-                activity=activity,
-                shared=lambda: parts[GraphWatch].shared,
-                at_work=robots.is_at_work,
-                rules=SharedBook(history.documents("rule", RuleEntry), "rule", MAX_RULES),
-                decisions=decisions,
-            ),
+        rules = DockingRules(fleet, SharedBook(history.documents("rule", RuleEntry), "rule", MAX_RULES), decisions)
+        docking = AutomaticDocking(
+            rules,
+            FactReader(fleet, activity, lambda: graph_watch.shared, robots.is_at_work),
+            activity,
+            actions=actions,
+            robot_actions=parts[RobotActions],
+            history=history,
         )
-        docking.start()
-        yield docking
+        closed_by(stack, docking).start()
+        yield rules
 
 
 def _follow(parts: Parts, activity: Activity, robot: str) -> ExitStack:

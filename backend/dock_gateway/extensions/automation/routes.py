@@ -7,8 +7,8 @@ from starlette.responses import Response
 
 from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
-from dock_gateway.extensions.automation.docking import AutomaticDocking
 from dock_gateway.extensions.automation.rule import RuleBody
+from dock_gateway.extensions.automation.rules import DockingRules
 from dock_gateway.extensions.automation.schema import DecisionList, Rule, RuleList
 from dock_gateway.goals.known_robots import KnownRobots
 from dock_gateway.http.bodies import SignedBody
@@ -46,42 +46,42 @@ GoalIdQuery = Annotated[
 
 @router.get("/rules")
 @operation(Role.VIEWER, Scope.LISTED)
-async def list_rules(automation: Part[AutomaticDocking], grant: TheGrant) -> Answer[RuleList]:
+async def list_rules(rules: Part[DockingRules], grant: TheGrant) -> Answer[RuleList]:
     """List the rules by name, each with the robots that it applies to and what it waits for."""
-    return json_response({"rules": await automation.documents(grant)})
+    return json_response({"rules": await rules.documents(grant)})
 
 
 @router.get("/rules/{rule_id}")
 @operation(Role.VIEWER, Scope.LISTED, errors=(404,))
-async def get_rule(rule_id: RuleId, automation: Part[AutomaticDocking], grant: TheGrant) -> Item[Rule]:
+async def get_rule(rule_id: RuleId, rules: Part[DockingRules], grant: TheGrant) -> Item[Rule]:
     """Return a rule."""
-    return item_response(await automation.document(rule_id, grant))
+    return item_response(await rules.document(rule_id, grant))
 
 
 @router.put("/rules/{rule_id}")
 @operation(Role.SUPERVISOR, Scope.EVERY, errors=(409,))
 async def replace_rule(
-    rule_id: RuleId, body: SignedBody[RuleBody], automation: Part[AutomaticDocking], condition: WriteCondition
+    rule_id: RuleId, body: SignedBody[RuleBody], rules: Part[DockingRules], condition: WriteCondition
 ) -> Item[Rule]:
     """Store a rule, new or changed, at every gateway that shares the history. It starts from the beginning.
 
     A rule is off unless `mode` says otherwise. It has one condition, `battery` or `schedule`.
     """
-    rule, new = await automation.replace(rule_id, body.entry(), condition)
+    rule, new = await rules.replace(rule_id, body.entry(), condition)
     return item_response(rule, f"{router.prefix}/rules/{rule_id}" if new else None)
 
 
 @router.delete("/rules/{rule_id}", status_code=204)
 @operation(Role.SUPERVISOR, Scope.EVERY)
-async def remove_rule(rule_id: RuleId, automation: Part[AutomaticDocking], condition: ChangeCondition) -> Response:
+async def remove_rule(rule_id: RuleId, rules: Part[DockingRules], condition: ChangeCondition) -> Response:
     """Remove a rule. Goals that it sent go on."""
-    return await removed(automation.remove(rule_id, condition))
+    return await removed(rules.remove(rule_id, condition))
 
 
 @router.get("/decisions")
 @operation(Role.VIEWER, Scope.LISTED, errors=(404,))
 async def list_decisions(
-    automation: Part[AutomaticDocking],
+    rules: Part[DockingRules],
     known_robots: Part[KnownRobots],
     grant: TheGrant,
     *,
@@ -93,8 +93,8 @@ async def list_decisions(
 ) -> Answer[DecisionList]:
     """List the decisions of all gateways that share the history, newest first. The last 1000 are kept."""
     namespace = None if robot is None else read_namespace(robot)
-    await known_robots.require(robot, grant, automation.decisions.has)
-    found, end = await automation.decisions.page(
+    await known_robots.require(robot, grant, rules.decisions.has)
+    found, end = await rules.decisions.page(
         robot=namespace,
         rule_id=rule,
         goal_id=None if goal_id is None else read_goal_id(goal_id),
