@@ -10,12 +10,12 @@ import pytest
 
 from dock_gateway.core.errors import Conflict, NotFound
 from dock_gateway.core.fanout import Fanout
-from dock_gateway.core.listeners import Hooks
-from dock_gateway.extensions.webhooks.delivery import Delivery, DeliveryState
+from dock_gateway.extensions.webhooks.delivery import DeliveryEntry, DeliveryState
 from dock_gateway.extensions.webhooks.notifier import Notifier
 from dock_gateway.extensions.webhooks.outbox import Outbox
 from dock_gateway.extensions.webhooks.sender import sign
 from dock_gateway.extensions.webhooks.webhook import WebhookEntry
+from dock_gateway.extensions.webhooks.webhooks import Webhooks
 from dock_gateway.fleet.alert_board import AlertBoard
 from dock_gateway.http.schema import RobotSelection
 from dock_gateway.robots.labels import Labels, RobotLabel
@@ -48,14 +48,31 @@ def alert(kind: str, robot: str | None = "/robot1", severity: str = "critical") 
 STOP, LOW, LOST = alert("stop"), alert("low", severity="warning"), alert("lost", None, "warning")
 
 
+class Gateway(Webhooks):
+    """The webhooks of one gateway."""
+
+    def __init__(self, alerts: Any, book: SharedBook[WebhookEntry], outbox: Outbox, **timing: Any) -> None:
+        labels = cast("Labels", SimpleNamespace(of=lambda robot: LABELS.get(robot, RobotLabel(None, ()))))
+        self.notifier = Notifier(
+            alerts, labels, book, outbox, **{"interval": 0.01, "read_every": 1, "tidy_every": 1} | timing
+        )
+        self.outbox = outbox
+        super().__init__(book, outbox, self.notifier)
+        self.notifier.start()
+
+    async def close(self) -> None:
+        await self.notifier.close()
+        await self.outbox.close()
+
+
 class Site:
     """Gateways with one history, and the alerts that each of them sees."""
 
     def __init__(self, url: str) -> None:
         self.url = url
         self.webhooks = SharedStore[WebhookEntry]()
-        self.deliveries = SharedStore[Delivery]()
-        self.gateways: list[Notifier] = []
+        self.deliveries = SharedStore[DeliveryEntry]()
+        self.gateways: list[Gateway] = []
         self.alerts: list[list[dict[str, Any]]] = []
 
     def gateway(
@@ -65,20 +82,16 @@ class Site:
         retry_after: tuple[float, ...] = (0.05, 0.05),
         overdue: float = 30.0,
         **timing: Any,
-    ) -> Notifier:
+    ) -> Gateway:
         seen = list(alerts)
-        webhooks = SharedBook(self.webhooks, "webhook", 2)
-        deliveries = SharedEntries(self.deliveries)
-        notifier = Notifier(
-            board or cast("AlertBoard", SimpleNamespace(documents=lambda: list(seen), on_change=Hooks[object]())),
-            cast("Labels", SimpleNamespace(of=lambda robot: LABELS.get(robot, RobotLabel(None, ())))),
-            webhooks=webhooks,
-            outbox=Outbox(webhooks, deliveries, retry_after=retry_after, overdue=timedelta(seconds=overdue)),
-            **{"interval": 0.01, "read_every": 1, "tidy_every": 1} | timing,
-        )
-        self.gateways.append(notifier)
+        book, deliveries = SharedBook(self.webhooks, "webhook", 2), SharedEntries(self.deliveries)
+        outbox = Outbox(book, deliveries, retry_after=retry_after, overdue=timedelta(seconds=overdue))
+        gateway = Gateway(board or SimpleNamespace(documents=lambda: list(seen)), book, outbox, **timing)
+        if board is not None:
+            board.on_change.append(gateway.notifier.compare)
+        self.gateways.append(gateway)
         self.alerts.append(seen)
-        return notifier
+        return gateway
 
     def hook(self, **fields: Any) -> WebhookEntry:
         values = {"name": "Hook", "url": self.url, "secret": "", "changed_by": None, "changed_at": NOON}
@@ -259,7 +272,7 @@ async def test_an_event_does_not_wait_until_the_next_one_is_stored(
     await gateway.replace("hook", site.hook())
     store, answers = site.deliveries.write, asyncio.Event()
 
-    async def write(key: str, entry: Delivery | None, *more: Any) -> None:
+    async def write(key: str, entry: DeliveryEntry | None, *more: Any) -> None:
         if entry is not None and entry.alert_id == LOW["id"]:
             await answers.wait()
         await store(key, entry, *more)

@@ -8,11 +8,11 @@ from typing import Any, cast
 import pytest
 from hypothesis import given, settings
 
-from dock_gateway.core.listeners import Hooks
-from dock_gateway.extensions.webhooks.delivery import Delivery
+from dock_gateway.extensions.webhooks.delivery import DeliveryEntry
 from dock_gateway.extensions.webhooks.notifier import Notifier
 from dock_gateway.extensions.webhooks.outbox import Outbox
 from dock_gateway.extensions.webhooks.webhook import WebhookEntry
+from dock_gateway.extensions.webhooks.webhooks import Webhooks
 from dock_gateway.robots.labels import RobotLabel
 from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
 from tests.support.history import HistoryInMemory
@@ -28,21 +28,21 @@ class Client(RouteClient):
 
     def __init__(self) -> None:
         history = HistoryInMemory()
-        self._notifier: Notifier | None = None
         super().__init__()
 
         @asynccontextmanager
         async def opened(_: object) -> AsyncIterator[dict[str, Any]]:
-            webhooks = SharedBook(history.documents("webhook", WebhookEntry), "webhook", 2)
+            book = SharedBook(history.documents("webhook", WebhookEntry), "webhook", 2)
+            outbox = Outbox(book, SharedEntries(history.documents("delivery", DeliveryEntry)))
             notifier = Notifier(
-                cast("Any", SimpleNamespace(documents=list, on_change=Hooks[object]())),
+                cast("Any", SimpleNamespace(documents=list)),
                 cast("Any", SimpleNamespace(of=lambda _: RobotLabel(None, ()))),
-                webhooks=webhooks,
-                outbox=Outbox(webhooks, SharedEntries(history.documents("delivery", Delivery))),
+                book,
+                outbox,
             )
-            self.parts.add(Notifier, notifier)
+            self.parts.add(Webhooks, Webhooks(book, outbox, notifier))
             yield {"parts": self.parts}
-            await notifier.close()
+            await outbox.close()
 
         self.app.router.lifespan_context = opened
 

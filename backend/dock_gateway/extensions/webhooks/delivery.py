@@ -1,10 +1,14 @@
-"""A delivery to a webhook. Plain data; `webhook.py` has the webhooks."""
+"""A delivery to a webhook. A new field is declared here alone."""
 
-from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
+from typing import Any
 
-from dock_gateway.core.goal import Json
+from pydantic import ConfigDict
+
+from dock_gateway.http.schema import Schema
+
+Document = dict[str, Any]
 
 
 class EventType(StrEnum):
@@ -23,17 +27,14 @@ class DeliveryState(StrEnum):
     FAILED = "failed"
 
 
-@dataclass(frozen=True)
-class Delivery:
+class DeliveryFields(Schema):
     """One event for one webhook.
 
     Attributes:
         webhook_id: The webhook.
-        event_type: The type of the event.
-        state: Whether it was delivered.
-        alert_id: The alert; None for a test.
+        type: The type of the event.
         created_at: When it happened.
-        body: The body of the request.
+        state: Whether it was delivered.
         attempts: Number of attempts.
         next_at: When it is sent next; None unless it is pending.
         tried_at: When it was sent last.
@@ -41,14 +42,30 @@ class Delivery:
         error: Why the last attempt failed, if it did.
     """
 
+    model_config = ConfigDict(frozen=True)
+
     webhook_id: str
-    event_type: EventType
-    state: DeliveryState
-    alert_id: str | None
+    type: EventType
     created_at: datetime
-    body: Json
+    state: DeliveryState
     attempts: int
     next_at: datetime | None
     tried_at: datetime | None
     status_code: int | None
     error: str | None
+
+
+class DeliveryEntry(DeliveryFields):
+    """A delivery as it is stored.
+
+    Attributes:
+        alert_id: The alert; None for a test.
+        event: The event as it is sent: JSON, whose times are texts.
+    """
+
+    alert_id: str | None
+    event: Document
+
+    def document(self, identity: str) -> Document:
+        """Return the delivery as the API shows it."""
+        return {"id": identity, **self.model_dump(exclude={"alert_id"})}

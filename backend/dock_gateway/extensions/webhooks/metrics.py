@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from prometheus_client import Metric
 
 from dock_gateway.extensions.webhooks.delivery import DeliveryState
-from dock_gateway.extensions.webhooks.notifier import Notifier
+from dock_gateway.extensions.webhooks.webhooks import Webhooks
 from dock_gateway.observability.collector import counters
 
 OUTCOMES = {
@@ -15,7 +15,7 @@ OUTCOMES = {
 }
 
 
-def webhook_metrics(notifier: Notifier) -> Iterator[Metric]:
+def webhook_metrics(webhooks: Webhooks) -> Iterator[Metric]:
     """Yield how often an alert was sent."""
-    attempts = {outcome: notifier.attempts.get(state, 0) for state, outcome in OUTCOMES.items()}
+    attempts = {outcome: webhooks.attempts.get(state, 0) for state, outcome in OUTCOMES.items()}
     yield counters("webhook_attempts", "Attempts to send an alert to a webhook", "outcome", attempts)

@@ -13,8 +13,8 @@ from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import encode
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.extensions.webhooks.deliveries import RETRY_AFTER, after_attempt, due, find_open, open_alerts, surplus
-from dock_gateway.extensions.webhooks.delivery import Delivery, DeliveryState, EventType
+from dock_gateway.extensions.webhooks.delivery import DeliveryEntry, DeliveryState, Document, EventType
+from dock_gateway.extensions.webhooks.policy import RETRY_AFTER, after_attempt, due, find_open, open_alerts, surplus
 from dock_gateway.extensions.webhooks.sender import Sender, sign
 from dock_gateway.extensions.webhooks.webhook import WebhookEntry
 from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
@@ -23,8 +23,6 @@ log = logging.getLogger(__name__)
 
 # How long after its time a delivery is taken over from the gateway that stored it, which must have ended.
 OVERDUE = timedelta(seconds=30)
-
-Document = dict[str, Any]
 
 
 class Outbox:
@@ -43,7 +41,7 @@ class Outbox:
     def __init__(
         self,
         webhooks: SharedBook[WebhookEntry],
-        deliveries: SharedEntries[Delivery],
+        deliveries: SharedEntries[DeliveryEntry],
         *,
         retry_after: Sequence[float] = RETRY_AFTER,
         overdue: timedelta = OVERDUE,
@@ -58,7 +56,7 @@ class Outbox:
         self._sending: set[str] = set()  # webhooks
         self._tasks = Tasks("sending to webhooks")
 
-    async def read(self) -> Mapping[str, Delivery]:
+    async def read(self) -> Mapping[str, DeliveryEntry]:
         """Return all deliveries by their ids.
 
         Raises:
@@ -66,12 +64,12 @@ class Outbox:
         """
         return await self._deliveries.read()
 
-    def of(self, webhook_id: str) -> list[tuple[str, Delivery]]:
+    def sent_to(self, webhook_id: str) -> list[tuple[str, DeliveryEntry]]:
         """Return the deliveries of a webhook with their ids, as they were read last, newest first."""
         own = [(identity, each) for identity, each in self._deliveries.all().items() if each.webhook_id == webhook_id]
         return sorted(own, key=lambda item: (item[1].created_at, item[0]), reverse=True)
 
-    async def open_before(self, moment: datetime) -> list[Delivery] | None:
+    async def open_before(self, moment: datetime) -> list[DeliveryEntry] | None:
         """Return the deliveries of alerts that were raised before a moment and not cleared since.
 
         None: the history does not answer.
@@ -88,7 +86,7 @@ class Outbox:
         identity = uuid.uuid4().hex
         raised = find_open(self._deliveries.all(), webhook_id, alert_id)
         now = utc_now() if raised is None else max(utc_now(), raised.created_at + timedelta(microseconds=1))
-        delivery = _new(webhook_id, event_type, alert_id, now, {"type": event_type, "timestamp": now} | event)
+        delivery = _new(webhook_id, event_type, alert_id, now, event)
 
         def check(stored: Any) -> None:
             if (find_open(stored, webhook_id, alert_id) is None) is (event_type is EventType.CLEARED):
@@ -140,7 +138,7 @@ class Outbox:
     def _overdue(self) -> set[str]:
         return {identity for identity, _ in due(self._deliveries.all(), utc_now() - self._overdue_after)}
 
-    def _due(self) -> list[tuple[str, Delivery]]:
+    def _due(self) -> list[tuple[str, DeliveryEntry]]:
         return [(identity, each) for identity, each in due(self._deliveries.all(), utc_now()) if identity in self._mine]
 
     async def _send(self, webhook_id: str) -> None:
@@ -154,9 +152,9 @@ class Outbox:
         finally:
             self._sending.discard(webhook_id)
 
-    async def _attempt(self, webhook: WebhookEntry, identity: str, delivery: Delivery) -> Delivery:
-        headers = sign(webhook.secret, identity, utc_now(), delivery.body)
-        answer = await self._sender.send(webhook.url, headers, delivery.body)
+    async def _attempt(self, webhook: WebhookEntry, identity: str, delivery: DeliveryEntry) -> DeliveryEntry:
+        body = encode(delivery.event)
+        answer = await self._sender.send(webhook.url, sign(webhook.secret, identity, utc_now(), body), body)
         tried = after_attempt(delivery, answer, utc_now(), self._retry_after)
         self.attempts[tried.state] += 1
         if self._webhooks.get(delivery.webhook_id) is not None:
@@ -170,10 +168,9 @@ class Outbox:
     async def send_test(self, webhook_id: str, webhook: WebhookEntry) -> Document:
         """Send a test now, once; return the delivery."""
         now, identity = utc_now(), uuid.uuid4().hex
-        text = f"This is a test of the webhook {webhook.name!r}."
-        event = {"type": EventType.TEST, "timestamp": now, "text": text, "data": {}}
+        event = {"text": f"This is a test of the webhook {webhook.name!r}.", "data": {}}
         tried = await self._attempt(webhook, identity, _new(webhook_id, EventType.TEST, None, now, event))
-        return delivery_document(identity, tried)
+        return tried.document(identity)
 
     async def close(self) -> None:
         """Stop sending. Pending deliveries are sent after the next start."""
@@ -181,13 +178,13 @@ class Outbox:
         await self._sender.close()
 
 
-def _new(webhook_id: str, event_type: EventType, alert_id: str | None, at: datetime, event: Document) -> Delivery:
-    return Delivery(
+def _new(webhook_id: str, event_type: EventType, alert_id: str | None, at: datetime, event: Document) -> DeliveryEntry:
+    return DeliveryEntry(
         webhook_id=webhook_id,
-        event_type=event_type,
+        type=event_type,
         alert_id=alert_id,
         created_at=at,
-        body=encode(event),
+        event=orjson.loads(encode({"type": event_type, "timestamp": at} | event)),
         state=DeliveryState.PENDING,
         attempts=0,
         next_at=at,
@@ -195,20 +192,3 @@ def _new(webhook_id: str, event_type: EventType, alert_id: str | None, at: datet
         status_code=None,
         error=None,
     )
-
-
-def delivery_document(identity: str, delivery: Delivery) -> Document:
-    """Return a delivery as the API shows it."""
-    return {
-        "id": identity,
-        "webhook_id": delivery.webhook_id,
-        "type": delivery.event_type.value,
-        "created_at": delivery.created_at,
-        "event": orjson.Fragment(delivery.body),
-        "state": delivery.state.value,
-        "attempts": delivery.attempts,
-        "next_at": delivery.next_at,
-        "tried_at": delivery.tried_at,
-        "status_code": delivery.status_code,
-        "error": delivery.error,
-    }

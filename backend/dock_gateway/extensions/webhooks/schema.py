@@ -2,11 +2,11 @@
 
 from datetime import datetime
 
-from dock_gateway.extensions.webhooks.delivery import DeliveryState, EventType
+from dock_gateway.extensions.webhooks.delivery import DeliveryFields, EventType
 from dock_gateway.extensions.webhooks.webhook import ChangedWebhook
 from dock_gateway.fleet.schema import Alert
 from dock_gateway.http.resource import Versioned
-from dock_gateway.http.schema import Schema
+from dock_gateway.http.schema import Identified, Schema
 
 
 class NotifiedAlert(Alert):
@@ -29,24 +29,14 @@ class WebhookEvent(Schema):
     data: NotifiedAlert | EmptyAlert
 
 
-class Delivery(Schema):
+class Delivery(DeliveryFields, Identified):
     """One event for one webhook. `id` is the header `webhook-id`, the same at each attempt.
 
     `next_at` is when it is sent next; null unless it is pending. `status_code` and `error` are those of the last
     attempt.
     """
 
-    id: str
-    webhook_id: str
-    type: EventType
-    created_at: datetime
     event: WebhookEvent
-    state: DeliveryState
-    attempts: int
-    next_at: datetime | None
-    tried_at: datetime | None
-    status_code: int | None
-    error: str | None
 
 
 class DeliveryList(Schema):

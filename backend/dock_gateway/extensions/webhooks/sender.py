@@ -15,7 +15,7 @@ import httpx2
 
 from dock_gateway import __version__
 from dock_gateway.core.goal import Json
-from dock_gateway.extensions.webhooks.deliveries import ReceiverAnswer
+from dock_gateway.extensions.webhooks.policy import ReceiverAnswer
 
 SECRET_PREFIX = "whsec_"  # noqa: S105 - a prefix, not a secret
 MIN_SECRET, MAX_SECRET = 24, 64  # bytes

@@ -1,6 +1,5 @@
 """When a delivery is sent, when again, and what is kept."""
 
-from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
@@ -8,8 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.extensions.webhooks import deliveries as rules
-from dock_gateway.extensions.webhooks.deliveries import (
+from dock_gateway.extensions.webhooks import policy
+from dock_gateway.extensions.webhooks.delivery import DeliveryEntry, DeliveryState, EventType
+from dock_gateway.extensions.webhooks.policy import (
     RETRY_AFTER,
     ReceiverAnswer,
     after_attempt,
@@ -18,7 +18,6 @@ from dock_gateway.extensions.webhooks.deliveries import (
     open_alerts,
     surplus,
 )
-from dock_gateway.extensions.webhooks.delivery import Delivery, DeliveryState, EventType
 from dock_gateway.extensions.webhooks.webhook import WebhookEntry
 from dock_gateway.http.schema import RobotSelection
 
@@ -28,16 +27,28 @@ OK, REFUSED, AWAY = (
     ReceiverAnswer(500, "the answer was 500"),
     ReceiverAnswer(None, "no connection"),
 )
-NEW = Delivery("hook", EventType.RAISED, DeliveryState.PENDING, "a", NOON, b"{}", 0, NOON, None, None, None)
+NEW = DeliveryEntry(
+    webhook_id="hook",
+    type=EventType.RAISED,
+    state=DeliveryState.PENDING,
+    alert_id="a",
+    created_at=NOON,
+    event={},
+    attempts=0,
+    next_at=NOON,
+    tried_at=None,
+    status_code=None,
+    error=None,
+)
 CHOSEN = RobotSelection(names=("/robot1",), groups=("hall 1",))
 HOOK = WebhookEntry(
     name="Hook", url="http://x", severities=["critical"], robots=CHOSEN, secret="", changed_by=None, changed_at=NOON
 )
 
 
-def at(seconds: float, event_type: EventType = EventType.RAISED, **fields: Any) -> Delivery:
+def at(seconds: float, event_type: EventType = EventType.RAISED, **fields: Any) -> DeliveryEntry:
     moment = NOON + timedelta(seconds=seconds)
-    return replace(NEW, **{"created_at": moment, "next_at": moment, "event_type": event_type} | fields)
+    return NEW.model_copy(update={"created_at": moment, "next_at": moment, "type": event_type} | fields)
 
 
 def test_a_failed_attempt_is_repeated_ever_later_and_then_given_up() -> None:
@@ -56,7 +67,7 @@ def test_success_410_and_a_test_end_a_delivery() -> None:
     delivered = after_attempt(after_attempt(NEW, REFUSED, NOON), OK, NOON)
     assert (delivered.state, delivered.attempts, delivered.error) == (DeliveryState.DELIVERED, 2, None)
     gone = after_attempt(NEW, ReceiverAnswer(410, "the answer was 410"), NOON)
-    tested = after_attempt(replace(NEW, event_type=EventType.TEST, alert_id=None), AWAY, NOON)
+    tested = after_attempt(at(0, EventType.TEST, alert_id=None), AWAY, NOON)
     assert [each.state for each in (gone, tested)] == [DeliveryState.FAILED] * 2
 
 
@@ -114,14 +125,14 @@ def test_an_alert_is_open_until_its_end_whatever_is_removed_as_surplus(happened:
     last = {(hook, alert): event_type for event_type, hook, alert, _ in happened}
     expected = {about for about, event_type in last.items() if event_type is EventType.RAISED}
 
-    def opened(deliveries: dict[str, Delivery]) -> set[tuple[str, str | None]]:
+    def opened(deliveries: dict[str, DeliveryEntry]) -> set[tuple[str, str | None]]:
         return {(each.webhook_id, each.alert_id) for each in open_alerts(deliveries).values()}
 
     assert opened(stored) == expected
     for hook, alert in last:
         assert (find_open(stored, hook, alert) is not None) is ((hook, alert) in expected)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(rules, "MAX_KEPT", 1)
+        patch.setattr(policy, "MAX_KEPT", 1)
         removed = surplus(stored)
     kept = {identity: each for identity, each in stored.items() if identity not in removed}
     assert opened(kept) == expected
@@ -132,7 +143,7 @@ def test_an_alert_is_open_until_its_end_whatever_is_removed_as_surplus(happened:
 
 
 def test_an_alert_that_comes_and_goes_is_not_kept_for_ever() -> None:
-    flapping = [EventType.RAISED, EventType.CLEARED] * (rules.MAX_KEPT // 2 + 10) + [EventType.RAISED]
+    flapping = [EventType.RAISED, EventType.CLEARED] * (policy.MAX_KEPT // 2 + 10) + [EventType.RAISED]
     stored = {
         str(index): at(index, event_type, state=DeliveryState.DELIVERED) for index, event_type in enumerate(flapping)
     }
