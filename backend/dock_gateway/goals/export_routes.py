@@ -2,9 +2,9 @@
 
 import asyncio
 from collections.abc import AsyncGenerator
-from typing import Any
+from typing import Annotated, Any
 
-from fastapi import APIRouter, Request
+from fastapi import APIRouter, Query, Request
 from starlette.responses import Response
 
 from dock_gateway.core.event import FEEDBACK, NEVER, STORED_KINDS, Event, utc_now
@@ -12,12 +12,12 @@ from dock_gateway.core.goal import Goal, encode
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.goals.goal_documents import GoalDocuments
 from dock_gateway.goals.goals import Goals
-from dock_gateway.goals.queries import GoalFilterQuery
+from dock_gateway.goals.queries import AnyGoalQuery
 from dock_gateway.goals.schema import ExportedGoal
 from dock_gateway.goals.schema import Goal as GoalAnswer
 from dock_gateway.http.downloads import CSV, FormatQuery, download
 from dock_gateway.http.operation import Audit, Scope, operation
-from dock_gateway.http.parts import Part
+from dock_gateway.http.parts import AllParts, Part
 from dock_gateway.http.principal import TheGrant
 from dock_gateway.http.requests import GoalId
 from dock_gateway.http.route import ApiRoute
@@ -34,19 +34,21 @@ GOALS, EVENTS = 200, 500
 @operation(Role.VIEWER, Scope.LISTED, Audit.ALWAYS, errors=(404, 429))
 async def export_goals(
     request: Request,
-    goals: Part[Goals],
-    *,
-    history: Part[History],
-    documents: Part[GoalDocuments],
+    parts: AllParts,
     grant: TheGrant,
-    wanted: GoalFilterQuery,
+    query: Annotated[AnyGoalQuery, Query()],
+    *,
     format: FormatQuery = "json",  # noqa: A002
 ) -> Response:
     """Download all matching goals, newest first.
 
     CSV has one row per goal, with its goal and result messages as JSON. JSON is one array.
     """
-    chunks = goals_as_csv(goals, history, wanted) if format == "csv" else goals_as_json(goals, documents, grant, wanted)
+    wanted = await query.to_filter(parts, grant)
+    if format == "csv":
+        chunks = goals_as_csv(parts[Goals], parts[History], wanted)
+    else:
+        chunks = goals_as_json(parts[Goals], parts[GoalDocuments], grant, wanted)
     return await download(request, chunks, f"goals-{utc_now():%Y%m%dT%H%M%SZ}", format)
 
 

@@ -11,7 +11,7 @@ from dock_gateway.core.grant import Grant, Role
 from dock_gateway.goals.goal_documents import GoalDocuments
 from dock_gateway.goals.goal_path import at_goal
 from dock_gateway.goals.goals import Goals
-from dock_gateway.goals.queries import GoalFilterQuery
+from dock_gateway.goals.queries import AnyGoalQuery
 from dock_gateway.goals.schema import Goal, GoalHistory, GoalPage
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import AllParts, Part, Parts
@@ -36,10 +36,15 @@ router = APIRouter(route_class=ApiRoute, tags=["Goals"])
 @router.get("/goals", responses=WITH_POSITION)
 @operation(Role.VIEWER, Scope.LISTED, Audit.NEVER, errors=(404,))
 async def list_goals(
-    parts: AllParts, grant: TheGrant, wanted: GoalFilterQuery, *, limit: LimitQuery = 50, cursor: CursorQuery = None
+    parts: AllParts,
+    grant: TheGrant,
+    query: Annotated[AnyGoalQuery, Query()],
+    *,
+    limit: LimitQuery = 50,
+    cursor: CursorQuery = None,
 ) -> Answer[GoalPage]:
     """List the goals of all actions, newest first. A stream goes on after the header `Event-Id`."""
-    return await answer_page(parts, grant, wanted, limit, cursor)
+    return await answer_page(parts, grant, await query.to_filter(parts, grant), limit, cursor)
 
 
 async def answer_page(parts: Parts, grant: Grant, wanted: GoalFilter, limit: int, cursor: str | None) -> Answer[Any]:

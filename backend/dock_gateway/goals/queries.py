@@ -4,15 +4,15 @@ import re
 from dataclasses import replace
 from typing import Annotated
 
-from fastapi import Depends, Query
-from pydantic import AfterValidator, StringConstraints
+from fastapi import Query
+from pydantic import AfterValidator, BaseModel, ConfigDict, StringConstraints
 
 from dock_gateway.core.goal import Origin, Verb
+from dock_gateway.core.grant import Grant
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.goals.known_robots import KnownRobots
 from dock_gateway.goals.robot_actions import RobotActions
-from dock_gateway.http.parts import Part
-from dock_gateway.http.principal import TheGrant
+from dock_gateway.http.parts import Parts
 from dock_gateway.http.queries import SinceQuery, UntilQuery
 from dock_gateway.http.requests import LINE_OF_TEXT, MAX_GROUP, MAX_TAG, BelowQuery, StatusQuery
 from dock_gateway.setting_types import LONGEST_NAME, TOPIC
@@ -20,8 +20,6 @@ from dock_gateway.settings import Settings
 from dock_gateway.storage import GoalFilter
 
 ActionName = Annotated[str, StringConstraints(pattern=f"^{TOPIC.pattern}$", max_length=LONGEST_NAME)]
-ActionsQuery = Annotated[list[ActionName] | None, Query(description="Only goals on these actions")]
-OriginQuery = Annotated[Origin | None, Query(description="Only goals of this origin")]
 # Action servers may send any text; databases do not accept NUL.
 ErrorCode = Annotated[str, StringConstraints(min_length=1, max_length=200, pattern=r"^[^\x00]*$")]
 
@@ -45,64 +43,73 @@ IdPrefixQuery = Annotated[
     ),
 ]
 Tag = Annotated[str, StringConstraints(max_length=MAX_TAG, pattern=f"^{LINE_OF_TEXT.pattern}$")]
-TagsQuery = Annotated[list[Tag] | None, Query(description="Only goals with one of these tags")]
 Group = Annotated[str, StringConstraints(max_length=MAX_GROUP, pattern=f"^{LINE_OF_TEXT.pattern}$")]
 GroupQuery = Annotated[
     Group | None, Query(description="Only goals on actions of the robots that are in this group now")
 ]
 
 
-async def read_goal_filter(
-    *,
-    settings: Part[Settings],
-    robot_actions: Part[RobotActions],
-    known_robots: Part[KnownRobots],
-    grant: TheGrant,
-    robot: BelowQuery = None,
-    action: ActionsQuery = None,
-    status: StatusQuery = None,
-    error: Annotated[list[ErrorCode] | None, Query(description="Only goals with these error codes")] = None,
-    origin: OriginQuery = None,
-    since: SinceQuery = None,
-    until: UntilQuery = None,
-    id: IdPrefixQuery = None,  # noqa: A002 - it is what clients call it
-    tag: TagsQuery = None,
-    group: GroupQuery = None,
-) -> GoalFilter:
-    """Return the goal filter of a query. Its actions and robots may have left the graph.
+class GoalSelection(BaseModel):
+    """Query parameters that select goals, also in statistics. Actions and robots may have left the graph."""
 
-    Raises:
-        InvalidField: A value is invalid.
-        NotFound: There is and was no such robot (`robot_not_found`).
-        Unavailable: The history does not answer (`history_unavailable`).
-    """
-    namespace = "/" if robot is None else read_namespace(robot)
-    under = None if robot is None else namespace
-    await known_robots.require(robot, grant)
-    group = None if group is None else group.strip()
-    return GoalFilter(
-        action_names=frozenset(settings.resolve(name, under) for name in action or ()),
-        namespace=namespace,
-        statuses=frozenset(status or ()),
-        error_codes=frozenset(error or ()),
-        origin=origin,
-        since=since,
-        until=until,
-        id_prefix=id or "",
-        tags=frozenset(name.strip() for name in tag or ()),
-        group=group,
-        among=await robot_actions.choose_actions(grant, group),
-        homed=robot_actions.homed_in(robot),
-    )
+    model_config = ConfigDict(frozen=True)
+
+    robot: BelowQuery = None
+    action: Annotated[list[ActionName] | None, Query(description="Only goals on these actions")] = None
+    origin: Annotated[Origin | None, Query(description="Only goals of this origin")] = None
+    since: SinceQuery = None
+    until: UntilQuery = None
+    tag: Annotated[list[Tag] | None, Query(description="Only goals with one of these tags")] = None
+    group: GroupQuery = None
+
+    async def to_filter(self, parts: Parts, grant: Grant) -> GoalFilter:
+        """Return the filter of the selected goals.
+
+        Raises:
+            InvalidField: A value is invalid.
+            NotFound: There is and was no such robot (`robot_not_found`).
+            Unavailable: The history does not answer (`history_unavailable`).
+        """
+        settings, robot_actions = parts[Settings], parts[RobotActions]
+        namespace = "/" if self.robot is None else read_namespace(self.robot)
+        under = None if self.robot is None else namespace
+        await parts[KnownRobots].require(self.robot, grant)
+        group = None if self.group is None else self.group.strip()
+        return GoalFilter(
+            action_names=frozenset(settings.resolve(name, under) for name in self.action or ()),
+            namespace=namespace,
+            origin=self.origin,
+            since=self.since,
+            until=self.until,
+            tags=frozenset(name.strip() for name in self.tag or ()),
+            group=group,
+            among=await robot_actions.choose_actions(grant, group),
+            homed=robot_actions.homed_in(self.robot),
+        )
 
 
-# The goals of some robots, and of those the ones that dock or undock.
-AnyVerbQuery = Annotated[GoalFilter, Depends(read_goal_filter)]
-VerbQuery = Annotated[Verb | None, Query(description="Only goals that dock, or that undock")]
+class GoalQuery(GoalSelection):
+    """Query parameters that select goals, where the path may say the verb."""
+
+    status: StatusQuery = None
+    error: Annotated[list[ErrorCode] | None, Query(description="Only goals with these error codes")] = None
+    id: IdPrefixQuery = None
+
+    async def to_filter(self, parts: Parts, grant: Grant) -> GoalFilter:
+        """Return the filter of the selected goals; errors as those of `GoalSelection`."""
+        return replace(
+            await super().to_filter(parts, grant),
+            statuses=frozenset(self.status or ()),
+            error_codes=frozenset(self.error or ()),
+            id_prefix=self.id or "",
+        )
 
 
-async def _of_verb(wanted: AnyVerbQuery, verb: VerbQuery = None) -> GoalFilter:
-    return replace(wanted, verb=verb)
+class AnyGoalQuery(GoalQuery):
+    """Query parameters that select goals of all actions."""
 
+    verb: Annotated[Verb | None, Query(description="Only goals that dock, or that undock")] = None
 
-GoalFilterQuery = Annotated[GoalFilter, Depends(_of_verb)]
+    async def to_filter(self, parts: Parts, grant: Grant) -> GoalFilter:
+        """Return the filter of the selected goals; errors as those of `GoalSelection`."""
+        return replace(await super().to_filter(parts, grant), verb=self.verb)

@@ -15,6 +15,8 @@ from dock_gateway.http.problems import problems
 from dock_gateway.http.requests import Answer, known_query
 from dock_gateway.http.resource import Item, WriteCondition, described, has_condition
 
+ELSEWHERE = (params.Path, params.Header, params.Cookie)
+
 
 class ApiRoute(APIRoute):
     """The `route_class` of a router of the API.
@@ -48,8 +50,9 @@ class ApiRoute(APIRoute):
         if has_condition(each.call for each in self.dependant.dependencies):
             errors |= {412, 422}
         self.responses = problems(*sorted(errors)) | self.responses
-        flat = get_flat_params(self.dependant)
-        self.query_names = [each.alias for each in flat if isinstance(each.field_info, params.Query)]
+        # Those of a model are plain fields.
+        flat = [each for each in get_flat_params(self.dependant) if type(each.field_info) not in ELSEWHERE]
+        self.query_names = [each.alias for each in flat]
         if not operation.any_query:
             self.dependencies.append(Depends(known_query(*self.query_names)))
 

@@ -7,7 +7,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Request
+from fastapi import APIRouter, Depends, Query, Request
 from starlette.responses import Response
 
 from dock_gateway.core.errors import FieldError, InvalidField, got
@@ -16,7 +16,7 @@ from dock_gateway.core.grant import Role
 from dock_gateway.doors.rest.answers import HEADERS, answer_goal, answer_sent
 from dock_gateway.goals.goal_path import at_goal
 from dock_gateway.goals.history_routes import answer_page
-from dock_gateway.goals.queries import AnyVerbQuery
+from dock_gateway.goals.queries import GoalQuery
 from dock_gateway.goals.schema import Goal, GoalPage
 from dock_gateway.http.openapi import body, docking_body
 from dock_gateway.http.operation import Audit, Scope, carries_out, operation
@@ -122,13 +122,14 @@ def routes_of(goals: GoalCollection) -> APIRouter:
         parts: AllParts,
         grant: TheGrant,
         place: Annotated[Target, Depends(goals.place)],
-        wanted: AnyVerbQuery,
+        query: Annotated[GoalQuery, Query()],
         *,
         limit: LimitQuery = 50,
         cursor: CursorQuery = None,
     ) -> Answer[GoalPage]:
         """List goals, newest first. This is `GET /goals` with the `verb` of this path."""
-        return await answer_page(parts, grant, place.narrow(wanted), limit, cursor)
+        wanted = place.narrow(await query.to_filter(parts, grant))
+        return await answer_page(parts, grant, wanted, limit, cursor)
 
     return router
 

@@ -13,10 +13,8 @@ from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.core.grant import Role
 from dock_gateway.goals import history_routes
 from dock_gateway.goals.goals import Goals
-from dock_gateway.goals.known_robots import KnownRobots
-from dock_gateway.goals.queries import read_goal_filter
+from dock_gateway.goals.queries import GoalQuery
 from dock_gateway.goals.registry import ActionRegistry
-from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.graph.interface_routes import interface_document
 from dock_gateway.http.operation import Audit, Scope, carries_out, operation
 from dock_gateway.http.parts import Parts
@@ -91,16 +89,12 @@ async def describe_action(parts: Parts, _: Principal, fields: Fields) -> Fields:
 async def list_goals(parts: Parts, principal: Principal, fields: Fields) -> Fields:
     """List goals of every sender, newest first."""
     action, status = fields.get("action"), fields.get("status")
-    wanted = await read_goal_filter(
-        settings=parts[Settings],
-        robot_actions=parts[RobotActions],
-        known_robots=parts[KnownRobots],
-        grant=principal.grant,
+    query = GoalQuery.model_construct(  # the arguments of a tool were validated
         robot=fields.get("robot"),
         action=None if action is None else [action],
         status=None if status is None else [status],
     )
-    page, _ = await parts[Goals].page(wanted, fields["limit"])
+    page, _ = await parts[Goals].page(await query.to_filter(parts, principal.grant), fields["limit"])
     return {"goals": [goal_document(goal) for goal in page]}
 
 

@@ -8,33 +8,25 @@ from typing import Annotated, Any, Literal
 from urllib.parse import urlencode
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
-from fastapi import APIRouter, Depends, Query
+from fastapi import APIRouter, Query
 from pydantic import StringConstraints
 
 from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import GoalStatus
-from dock_gateway.core.grant import Role
+from dock_gateway.core.grant import Grant, Role
 from dock_gateway.extensions.statistics.schema import DockingTimes, Statistics
 from dock_gateway.extensions.statistics.tally import Span, Tallies, Tally, merged, tally_goals
 from dock_gateway.extensions.statistics.trends import find_trends, two_weeks
-from dock_gateway.goals.known_robots import KnownRobots
-from dock_gateway.goals.queries import (
-    ActionsQuery,
-    GroupQuery,
-    OriginQuery,
-    TagsQuery,
-    read_goal_filter,
-)
+from dock_gateway.goals.queries import GoalSelection, GroupQuery
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.openapi import UNSTABLE
 from dock_gateway.http.operation import Scope, operation
-from dock_gateway.http.parts import Part
+from dock_gateway.http.parts import AllParts, Parts
 from dock_gateway.http.principal import TheGrant
-from dock_gateway.http.queries import EARLIEST, SinceQuery, UntilQuery
+from dock_gateway.http.queries import EARLIEST
 from dock_gateway.http.requests import Answer, BelowQuery, json_response
 from dock_gateway.http.route import ApiRoute
-from dock_gateway.settings import Settings
 from dock_gateway.storage import GoalFilter, History
 
 router = APIRouter(route_class=ApiRoute, tags=["Goals"])
@@ -46,115 +38,71 @@ MAX_ERRORS = 20
 ENDS = tuple(status for status in GoalStatus if status.terminal)
 
 By = Literal["day", "robot", "action"]
-ByQuery = Annotated[By, Query(description="What the goals are grouped by")]
 ZONE = r"^[A-Za-z0-9_+\-]+(?:/[A-Za-z0-9_+\-]+)*$"
-ZoneQuery = Annotated[
-    str,
-    StringConstraints(pattern=ZONE, max_length=64),
-    Query(description="The time zone of the days, as in the IANA database", examples=["UTC", "Europe/Berlin"]),
-]
+Zone = Annotated[str, StringConstraints(pattern=ZONE, max_length=64)]
 Group = tuple[str, GoalFilter, Tally]
 
 
-async def read_wanted(
-    *,
-    settings: Part[Settings],
-    robot_actions: Part[RobotActions],
-    known_robots: Part[KnownRobots],
-    grant: TheGrant,
-    robot: BelowQuery = None,
-    action: ActionsQuery = None,
-    origin: OriginQuery = None,
-    since: SinceQuery = None,
-    until: UntilQuery = None,
-    tag: TagsQuery = None,
-    group: GroupQuery = None,
-) -> GoalFilter:
-    """Return the goal filter of a query, with both times set.
+class StatisticsQuery(GoalSelection):
+    """Which goals, and how they are grouped."""
 
-    Raises:
-        InvalidField: A value is invalid, or the span does not end after its start.
-        NotFound: There is and was no such robot (`robot_not_found`).
-    """
-    until = until or utc_now()
-    since = since or max(until - DEFAULT_SPAN, EARLIEST)
-    if since >= until:
-        raise InvalidField([FieldError("since", "a time before `until`", f"got {since.isoformat()}", "query")])
-    return await read_goal_filter(
-        settings=settings,
-        robot_actions=robot_actions,
-        known_robots=known_robots,
-        grant=grant,
-        robot=robot,
-        action=action,
-        origin=origin,
-        since=since,
-        until=until,
-        tag=tag,
-        group=group,
-    )
+    by: Annotated[By, Query(description="What the goals are grouped by")] = "day"
+    time_zone: Annotated[
+        Zone, Query(description="The time zone of the days, as in the IANA database", examples=["UTC", "Europe/Berlin"])
+    ] = "UTC"
 
+    async def to_filter(self, parts: Parts, grant: Grant) -> GoalFilter:
+        """Return the filter of the selected goals, with both times set.
 
-WantedQuery = Annotated[GoalFilter, Depends(read_wanted)]
+        Raises:
+            InvalidField: A value is invalid, or the span does not end after its start.
+            NotFound: There is and was no such robot (`robot_not_found`).
+            Unavailable: The history does not answer (`history_unavailable`).
+        """
+        until = self.until or utc_now()
+        since = self.since or max(until - DEFAULT_SPAN, EARLIEST)
+        if since >= until:
+            raise InvalidField([FieldError("since", "a time before `until`", f"got {since.isoformat()}", "query")])
+        return replace(await super().to_filter(parts, grant), since=since, until=until)
 
 
 @router.get("/statistics")
 @operation(Role.VIEWER, Scope.LISTED, errors=(404,))
 async def statistics(
-    history: Part[History],
-    robot_actions: Part[RobotActions],
-    wanted: WantedQuery,
-    *,
-    by: ByQuery = "day",
-    time_zone: ZoneQuery = "UTC",
+    parts: AllParts, grant: TheGrant, query: Annotated[StatisticsQuery, Query()]
 ) -> Answer[Statistics]:
     """Return how the goals ended that were created from `since` up to but not including `until`.
 
     `until` defaults to now, and `since` to 30 days before `until`.
     """
-    zone = read_zone(time_zone)
+    by, wanted, zone = query.by, await query.to_filter(parts, grant), read_zone(query.time_zone)
     whole = _span(wanted)
     days = divide(*whole, zone) if by == "day" else {"": whole}
-    found = await tally_goals(history, wanted, list(days.values()), by_action=by != "day")
+    found = await tally_goals(parts[History], wanted, list(days.values()), by_action=by != "day")
     if by == "day":
         groups = [
             (day, replace(wanted, since=span[0], until=span[1]), merged(tallies.values()))
             for (day, span), tallies in zip(days.items(), found, strict=True)
         ]
     else:
-        keys = robot_actions.robots_of(found[0]) if by == "robot" else {name: name for name in found[0]}
+        keys = parts[RobotActions].robots_of(found[0]) if by == "robot" else {name: name for name in found[0]}
         groups = group(wanted, found[0], keys)
     document = await asyncio.to_thread(describe, wanted, groups)
-    return json_response({"since": whole[0], "until": whole[1], "by": by, "time_zone": time_zone} | document)
+    return json_response({"since": whole[0], "until": whole[1], "by": by, "time_zone": query.time_zone} | document)
 
 
 @router.get("/statistics/docking-time", openapi_extra=UNSTABLE)
 @operation(Role.VIEWER, Scope.LISTED, errors=(404,))
 async def docking_time(
-    settings: Part[Settings],
-    history: Part[History],
-    robot_actions: Part[RobotActions],
-    known_robots: Part[KnownRobots],
-    grant: TheGrant,
-    *,
-    robot: BelowQuery = None,
-    group: GroupQuery = None,
+    parts: AllParts, grant: TheGrant, *, robot: BelowQuery = None, group: GroupQuery = None
 ) -> Answer[DockingTimes]:
     """Return how long docking takes each robot: the last seven days, compared with the seven before."""
     spans = two_weeks(utc_now())
     since, until = spans[0][0], spans[-1][1]
-    wanted = await read_goal_filter(
-        settings=settings,
-        robot_actions=robot_actions,
-        known_robots=known_robots,
-        grant=grant,
-        robot=robot,
-        since=since,
-        until=until,
-        group=group,
-    )
-    found = await tally_goals(history, wanted, spans, by_action=True)
-    trends = find_trends(wanted, found, robot_actions)
+    wanted = await GoalSelection(robot=robot, group=group).to_filter(parts, grant)
+    wanted = replace(wanted, since=since, until=until)
+    found = await tally_goals(parts[History], wanted, spans, by_action=True)
+    trends = find_trends(wanted, found, parts[RobotActions])
     robots = await asyncio.to_thread(lambda: [trend.describe(spans, _path) for trend in trends])
     return json_response({"since": since, "until": until, "robots": robots})
 
