@@ -2817,7 +2817,6 @@ export interface components {
              * Format: date-time
              */
             created_at: string;
-            event: components["schemas"]["WebhookEvent"];
             state: components["schemas"]["DeliveryState"];
             /** Attempts */
             attempts: number;
@@ -2829,6 +2828,7 @@ export interface components {
             status_code: number | null;
             /** Error */
             error: string | null;
+            event: components["schemas"]["WebhookEvent"];
         };
         /**
          * DeliveryList
@@ -6154,29 +6154,29 @@ export interface operations {
     list_dock_goals: {
         parameters: {
             query?: {
-                limit?: number;
-                /** @description `next_cursor` of the previous page */
-                cursor?: string | null;
                 /** @description Namespace of the robot, such as `/robot1`: it and those below are meant; by default all */
                 robot?: string | null;
                 /** @description Only goals on these actions */
                 action?: string[] | null;
-                /** @description Only goals in these states */
-                status?: components["schemas"]["GoalStatus"][] | null;
-                /** @description Only goals with these error codes */
-                error?: string[] | null;
                 /** @description Only goals of this origin */
                 origin?: ("gateway" | "automation" | "external") | null;
                 /** @description At this time or later, RFC 3339 */
                 since?: string | null;
                 /** @description Before this time, RFC 3339 */
                 until?: string | null;
-                /** @description Only goals whose id begins with this: 4 or more hexadecimal digits */
-                id?: string | null;
                 /** @description Only goals with one of these tags */
                 tag?: string[] | null;
                 /** @description Only goals on actions of the robots that are in this group now */
                 group?: string | null;
+                /** @description Only goals in these states */
+                status?: components["schemas"]["GoalStatus"][] | null;
+                /** @description Only goals with these error codes */
+                error?: string[] | null;
+                /** @description Only goals whose id begins with this: 4 or more hexadecimal digits */
+                id?: string | null;
+                limit?: number;
+                /** @description `next_cursor` of the previous page */
+                cursor?: string | null;
             };
             header?: never;
             path?: never;
@@ -6426,29 +6426,29 @@ export interface operations {
     list_undock_goals: {
         parameters: {
             query?: {
-                limit?: number;
-                /** @description `next_cursor` of the previous page */
-                cursor?: string | null;
                 /** @description Namespace of the robot, such as `/robot1`: it and those below are meant; by default all */
                 robot?: string | null;
                 /** @description Only goals on these actions */
                 action?: string[] | null;
-                /** @description Only goals in these states */
-                status?: components["schemas"]["GoalStatus"][] | null;
-                /** @description Only goals with these error codes */
-                error?: string[] | null;
                 /** @description Only goals of this origin */
                 origin?: ("gateway" | "automation" | "external") | null;
                 /** @description At this time or later, RFC 3339 */
                 since?: string | null;
                 /** @description Before this time, RFC 3339 */
                 until?: string | null;
-                /** @description Only goals whose id begins with this: 4 or more hexadecimal digits */
-                id?: string | null;
                 /** @description Only goals with one of these tags */
                 tag?: string[] | null;
                 /** @description Only goals on actions of the robots that are in this group now */
                 group?: string | null;
+                /** @description Only goals in these states */
+                status?: components["schemas"]["GoalStatus"][] | null;
+                /** @description Only goals with these error codes */
+                error?: string[] | null;
+                /** @description Only goals whose id begins with this: 4 or more hexadecimal digits */
+                id?: string | null;
+                limit?: number;
+                /** @description `next_cursor` of the previous page */
+                cursor?: string | null;
             };
             header?: never;
             path?: never;
@@ -7666,10 +7666,6 @@ export interface operations {
     statistics: {
         parameters: {
             query?: {
-                /** @description What the goals are grouped by */
-                by?: "day" | "robot" | "action";
-                /** @description The time zone of the days, as in the IANA database */
-                time_zone?: string;
                 /** @description Namespace of the robot, such as `/robot1`: it and those below are meant; by default all */
                 robot?: string | null;
                 /** @description Only goals on these actions */
@@ -7684,6 +7680,10 @@ export interface operations {
                 tag?: string[] | null;
                 /** @description Only goals on actions of the robots that are in this group now */
                 group?: string | null;
+                /** @description What the goals are grouped by */
+                by?: "day" | "robot" | "action";
+                /** @description The time zone of the days, as in the IANA database */
+                time_zone?: string;
             };
             header?: never;
             path?: never;
@@ -10621,30 +10621,30 @@ export interface operations {
     export_goals: {
         parameters: {
             query?: {
-                /** @description `csv` for spreadsheets, `json` for programs */
-                format?: "csv" | "json";
-                /** @description Only goals that dock, or that undock */
-                verb?: ("dock" | "undock") | null;
                 /** @description Namespace of the robot, such as `/robot1`: it and those below are meant; by default all */
                 robot?: string | null;
                 /** @description Only goals on these actions */
                 action?: string[] | null;
-                /** @description Only goals in these states */
-                status?: components["schemas"]["GoalStatus"][] | null;
-                /** @description Only goals with these error codes */
-                error?: string[] | null;
                 /** @description Only goals of this origin */
                 origin?: ("gateway" | "automation" | "external") | null;
                 /** @description At this time or later, RFC 3339 */
                 since?: string | null;
                 /** @description Before this time, RFC 3339 */
                 until?: string | null;
-                /** @description Only goals whose id begins with this: 4 or more hexadecimal digits */
-                id?: string | null;
                 /** @description Only goals with one of these tags */
                 tag?: string[] | null;
                 /** @description Only goals on actions of the robots that are in this group now */
                 group?: string | null;
+                /** @description Only goals in these states */
+                status?: components["schemas"]["GoalStatus"][] | null;
+                /** @description Only goals with these error codes */
+                error?: string[] | null;
+                /** @description Only goals whose id begins with this: 4 or more hexadecimal digits */
+                id?: string | null;
+                /** @description Only goals that dock, or that undock */
+                verb?: ("dock" | "undock") | null;
+                /** @description `csv` for spreadsheets, `json` for programs */
+                format?: "csv" | "json";
             };
             header?: never;
             path?: never;
@@ -11226,31 +11226,31 @@ export interface operations {
     list_goals: {
         parameters: {
             query?: {
-                limit?: number;
-                /** @description `next_cursor` of the previous page */
-                cursor?: string | null;
-                /** @description Only goals that dock, or that undock */
-                verb?: ("dock" | "undock") | null;
                 /** @description Namespace of the robot, such as `/robot1`: it and those below are meant; by default all */
                 robot?: string | null;
                 /** @description Only goals on these actions */
                 action?: string[] | null;
-                /** @description Only goals in these states */
-                status?: components["schemas"]["GoalStatus"][] | null;
-                /** @description Only goals with these error codes */
-                error?: string[] | null;
                 /** @description Only goals of this origin */
                 origin?: ("gateway" | "automation" | "external") | null;
                 /** @description At this time or later, RFC 3339 */
                 since?: string | null;
                 /** @description Before this time, RFC 3339 */
                 until?: string | null;
-                /** @description Only goals whose id begins with this: 4 or more hexadecimal digits */
-                id?: string | null;
                 /** @description Only goals with one of these tags */
                 tag?: string[] | null;
                 /** @description Only goals on actions of the robots that are in this group now */
                 group?: string | null;
+                /** @description Only goals in these states */
+                status?: components["schemas"]["GoalStatus"][] | null;
+                /** @description Only goals with these error codes */
+                error?: string[] | null;
+                /** @description Only goals whose id begins with this: 4 or more hexadecimal digits */
+                id?: string | null;
+                /** @description Only goals that dock, or that undock */
+                verb?: ("dock" | "undock") | null;
+                limit?: number;
+                /** @description `next_cursor` of the previous page */
+                cursor?: string | null;
             };
             header?: never;
             path?: never;
