@@ -11,6 +11,9 @@ from dock_gateway.extensions.missions.schema import MissionBody
 
 NOON = datetime(2026, 11, 30, 12, tzinfo=UTC)
 DOCK, UNDOCK = {"dock": {}}, {"undock": {}}
+CALL = {"call": {"service": "/reset"}}
+PUBLISH = {"publish": {"topic": "/light", "message": {"data": True}}}
+NAVIGATE = {"navigate": {"pose": {"x": 1, "y": 2}}}
 FIBONACCI = {"action": {"name": "/fibonacci", "goal": {"order": 5}}}
 
 

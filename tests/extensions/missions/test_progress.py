@@ -6,9 +6,10 @@ import pytest
 
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.extensions.missions import progress
-from dock_gateway.extensions.missions.mission import HoldReason, MissionEntry, MissionStatus, StepStatus
-from dock_gateway.extensions.missions.progress import Cancel, Change, Facts, Send, Wait, WaitsFor, next_move
-from tests.extensions.missions.examples import DOCK, FIBONACCI, NOON, UNDOCK, after, begun, goal, queued
+from dock_gateway.extensions.missions.mission import HoldReason, MissionEntry, MissionStatus, Reason, StepStatus
+from dock_gateway.extensions.missions.moves import Cancel, Change, Facts, Send, Sent, Wait, WaitsFor
+from dock_gateway.extensions.missions.progress import next_move
+from tests.extensions.missions.examples import CALL, DOCK, FIBONACCI, NOON, PUBLISH, UNDOCK, after, begun, goal, queued
 
 
 def changed(mission: MissionEntry, facts: Facts = Facts(), seconds: float = 0.0) -> MissionEntry:  # noqa: B008 - frozen
@@ -186,3 +187,61 @@ def test_a_mission_is_canceled_with_its_goal() -> None:
     arrived = changed(canceling, ended(GoalStatus.SUCCEEDED), 6)
     assert (arrived.status, arrived.steps[0].status) == (MissionStatus.CANCELED, StepStatus.SUCCEEDED)
     assert progress.cancel(queued(DOCK), NOON).status is MissionStatus.CANCELED
+
+
+NO = Reason(code="service_timeout", detail="no answer")
+
+
+@pytest.mark.parametrize("step", [CALL, PUBLISH])
+def test_a_message_is_sent_once_by_the_gateway_that_began_its_try(step: dict[str, Any]) -> None:
+    assert next_move(begun(step), Facts(other_goal=True), NOON) == Wait(WaitsFor.OTHER_GOAL)
+    mission = changed(begun(step))
+    assert next_move(mission, Facts(sent=Sent()), after(1)) == Send()
+    assert next_move(mission, Facts(sent=None), after(1)) == Wait(WaitsFor.ANSWER, after(65))
+    assert changed(mission, Facts(sent=Sent(over=True)), 1).status is MissionStatus.SUCCEEDED
+    failed = changed(mission, Facts(sent=Sent(over=True, error=NO)), 1)
+    assert (failed.status, failed.error) == (MissionStatus.FAILED, NO)
+    stopped = changed(mission, Facts(sent=Sent(over=True, error=NO, by_stop=True)), 1)
+    assert (stopped.held_for, stopped.current.status, stopped.current.error) == (HoldReason.STOP, "waiting", NO)
+
+
+def test_nobody_knows_of_a_message_whose_gateway_was_killed() -> None:
+    mission = changed(begun(CALL | {"timeout_s": 20, "tries": 3}))
+    assert next_move(mission, Facts(), after(79)) == Wait(WaitsFor.ANSWER, after(80))
+    held = changed(mission, seconds=80)
+    assert (held.held_for, held.current.error) == (HoldReason.LOST, progress.INTERRUPTED)
+    again = changed(progress.resume(held, after(90)), seconds=90)
+    assert (again.current.status, again.current.attempt) == (StepStatus.RUNNING, 2)
+
+
+def test_a_message_that_ends_while_its_mission_is_held_or_canceled() -> None:
+    mission = changed(begun(CALL, DOCK))
+    held = changed(mission, Facts(stopped=True, sent=Sent()), 1)
+    assert next_move(held, Facts(sent=Sent()), after(2)) == Wait(WaitsFor.CONTINUE)
+    arrived = changed(held, Facts(sent=Sent(over=True)), 2)
+    assert (arrived.status, arrived.held_for, arrived.step) == (MissionStatus.HELD, HoldReason.STOP, 1)
+    again = changed(held, Facts(sent=Sent(over=True, error=NO)), 2)
+    assert (again.status, again.current.status, again.step) == (MissionStatus.HELD, StepStatus.WAITING, 0)
+    canceling = progress.cancel(mission, after(3))
+    assert next_move(canceling, Facts(), after(3)) == Wait(WaitsFor.ANSWER, after(65))
+    for facts, seconds, status in (
+        (Facts(sent=Sent(over=True)), 4, StepStatus.SUCCEEDED),
+        (Facts(sent=Sent(over=True, error=NO)), 4, StepStatus.CANCELED),
+        (Facts(sent=Sent()), 4, StepStatus.CANCELED),
+        (Facts(), 65, StepStatus.CANCELED),
+    ):
+        ended_mission = changed(canceling, facts, seconds)
+        assert (ended_mission.status, ended_mission.steps[0].status) == (MissionStatus.CANCELED, status)
+
+
+def test_a_notice_stands_until_the_step_after_it_has_ended() -> None:
+    mission = changed(changed(begun({"notify": {"text": "Load me", "critical": True}}, {"wait": {"seconds": 9}}, DOCK)))
+    assert (mission.step, mission.steps[0].status) == (1, StepStatus.SUCCEEDED)
+    notice = mission.notice
+    assert notice is not None
+    assert (notice.text, notice.critical, notice.told_at, notice.standing) == ("Load me", True, NOON, True)
+    assert notice.is_active(after(1e6))
+    mission = changed(changed(mission, seconds=20), seconds=29)
+    assert mission.step == 2
+    assert mission.notice is not None
+    assert [mission.notice.is_active(after(seconds)) for seconds in (59.9, 60)] == [True, False]

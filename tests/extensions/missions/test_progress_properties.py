@@ -10,16 +10,17 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, pr
 
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.extensions.missions import progress
-from dock_gateway.extensions.missions.mission import HoldReason, MissionEntry, MissionStatus, StepStatus
-from dock_gateway.extensions.missions.progress import Cancel, Change, Facts, Send, next_move
+from dock_gateway.extensions.missions.mission import HoldReason, MissionEntry, MissionStatus, Reason, StepStatus
+from dock_gateway.extensions.missions.moves import Cancel, Change, Facts, Send, Sent
+from dock_gateway.extensions.missions.progress import begins_message, next_move
 from dock_gateway.extensions.missions.step import FailurePolicy
-from tests.extensions.missions.examples import DOCK, FIBONACCI, NOON, UNDOCK, begun
+from tests.extensions.missions.examples import CALL, DOCK, FIBONACCI, NOON, PUBLISH, UNDOCK, begun
 
 ENDINGS = st.sampled_from([GoalStatus.SUCCEEDED, GoalStatus.SUCCEEDED, GoalStatus.ABORTED, GoalStatus.CANCELED])
 WAITS = [{"wait": {"seconds": 20}}, {"wait": {"battery": 0.5}}, {"wait": {"person": True}}]
 STEPS = st.builds(
     lambda kind, tries, timeout, policy: kind | {"tries": tries, "timeout_s": timeout, "on_failure": policy},
-    st.sampled_from([DOCK, UNDOCK, FIBONACCI, *WAITS]),
+    st.sampled_from([DOCK, UNDOCK, FIBONACCI, CALL, PUBLISH, {"notify": {"text": "Hello"}}, *WAITS]),
     st.integers(1, 3),
     st.sampled_from([None, 30, 120]),
     st.sampled_from(["end", "next"]),
@@ -60,24 +61,29 @@ class MissionMachine(RuleBasedStateMachine):
         self.given_up: set[str] = set()
         self.may_move = True  # not so after a stop until somebody continues
         self.last_ended: MissionEntry | None = None
+        self.begun: list[dict[tuple[int, int], Sent]] = [{}, {}]  # the messages whose tries each gateway has begun
+        self.messages: list[tuple[int, int]] = []  # those that were sent
 
     # ------------------------------------------------------------------ the gateways
 
-    def facts(self, mission: MissionEntry) -> Facts:
+    def facts(self, gateway: int, mission: MissionEntry) -> Facts:
         step = mission.current
         goal = None
-        if step.status is StepStatus.RUNNING and step.wait is None:
+        if step.has_goal:
             key = (mission.step, step.attempt)
             goal = self.server.goals.get(key) if step.goal_id is None else self.server.find(step.goal_id)
         given_up = goal is not None and goal.goal_id in self.given_up
-        return Facts(stopped=self.stopped, battery=self.battery, goal=goal, given_up=given_up)
+        sent = self.begun[gateway].get((mission.step, step.attempt)) if step.has_message else None
+        return Facts(stopped=self.stopped, battery=self.battery, goal=goal, given_up=given_up, sent=sent)
 
-    def store(self, gateway: int, after: MissionEntry) -> None:
+    def store(self, gateway: int, after: MissionEntry) -> bool:
         """Store a change, unless another one was first."""
-        if self.copies[gateway].revision == self.stored.revision:
+        first = self.copies[gateway].revision == self.stored.revision
+        if first:
             assert not self.stored.status.ended
             self.stored = after
         self.copies[gateway] = self.stored
+        return first
 
     @rule(gateway=st.integers(0, 1), killed=st.sampled_from([False, False, True]))
     def move(self, gateway: int, killed: bool) -> None:
@@ -85,12 +91,14 @@ class MissionMachine(RuleBasedStateMachine):
         if mission.status.ended:
             self.copies[gateway] = self.stored
             return
-        facts = self.facts(mission)
+        facts = self.facts(gateway, mission)
         match next_move(mission, facts, self.now):
             case Change(after):
                 assert after.revision > mission.revision
-                if not killed:
-                    self.store(gateway, after)
+                if not killed and self.store(gateway, after) and begins_message(mission, after):
+                    self.begun[gateway][after.step, after.current.attempt] = Sent()
+            case Send() if mission.current.is_message:
+                self.send_message(gateway, mission, killed=killed)
             case Send():
                 self.send(gateway, mission, killed=killed)
             case Cancel(goal):
@@ -98,6 +106,18 @@ class MissionMachine(RuleBasedStateMachine):
                 self.server.asked_to_cancel.add(goal.goal_id)
                 if goal.status is GoalStatus.LOST:
                     self.given_up.add(goal.goal_id)
+
+    def send_message(self, gateway: int, mission: MissionEntry, *, killed: bool) -> None:
+        """Send the message of a step; a gateway that is killed forgets all that it has begun."""
+        key = (mission.step, mission.current.attempt)
+        if self.stopped:
+            self.begun[gateway][key] = Sent(over=True, error=Reason(code="stop_latched", detail=""), by_stop=True)
+            return
+        assert self.may_move
+        self.messages.append(key)
+        self.begun[gateway][key] = Sent(over=True)
+        if killed:
+            self.begun[gateway].clear()
 
     def send(self, gateway: int, mission: MissionEntry, *, killed: bool) -> None:
         key = (mission.step, mission.current.attempt)
@@ -180,11 +200,12 @@ class MissionMachine(RuleBasedStateMachine):
     def each_step_is_carried_out_once(self) -> None:
         done = [step for (step, _), goal in self.server.goals.items() if goal.status is GoalStatus.SUCCEEDED]
         assert len(done) == len({*done})
+        assert len(self.messages) == len({*self.messages})
 
     @invariant()
     def steps_come_in_order(self) -> None:
-        keys = [*self.server.goals]
-        assert keys == sorted(keys)
+        for keys in ([*self.server.goals], self.messages):
+            assert keys == sorted(keys)
         for step in self.stored.steps[: self.stored.step]:
             final = (StepStatus.SUCCEEDED, StepStatus.SKIPPED)
             assert step.status in final or (step.status is StepStatus.FAILED and step.on_failure is FailurePolicy.NEXT)

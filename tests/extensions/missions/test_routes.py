@@ -1,22 +1,56 @@
 """Missions over HTTP: what is queued, listed and changed, and what is refused with which field or code."""
 
+import math
 from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
 
-from dock_gateway.core.errors import Conflict, FieldError, InvalidField
+from dock_gateway.core.allow_list import AllowList
+from dock_gateway.core.errors import Conflict, FieldError, InvalidField, NotFound
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.extensions.missions.actions import covers
+from dock_gateway.extensions.missions.actions import action_of, covers
 from dock_gateway.extensions.missions.book import MAX_MISSIONS, MissionBook
+from dock_gateway.extensions.missions.messages import Messages
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
 from dock_gateway.extensions.missions.missions import Missions
+from dock_gateway.extensions.missions.step import KINDS
+from dock_gateway.graph.publishing import FoundTopic, Publishing
+from dock_gateway.graph.service_calls import FoundService, ServiceCalls
+from tests.extensions.missions.examples import queued
 from tests.support.history import HistoryInMemory
 from tests.support.route_client import RouteClient
 
 PLAIN = {"steps": [{"dock": {}}, {"wait": {"seconds": 2}}, {"undock": {}}]}
+
+
+class Services:
+    """The service `/reset`, which may be called, and another one that may not; `/later` may be and is not there."""
+
+    listed = AllowList("allow_services", ["/reset", "/later", "/robot2/**"], "the gateway does not call the service")
+
+    async def find(self, name: str, type_name: str | None) -> FoundService:
+        if name != "/reset":
+            raise NotFound("no service")
+        if type_name not in (None, "std_srvs/srv/SetBool"):
+            raise InvalidField([FieldError("type", "a type that it has", "got another one", "query")])
+        return FoundService(name, "std_srvs/srv/SetBool", ("std_srvs/srv/SetBool",))
+
+    load = staticmethod(ServiceCalls.load)
+
+
+class Topics:
+    """The topic `/light`, which may be published on."""
+
+    def require_allowed(self, name: str) -> None:
+        AllowList("allow_publish", ["/light"], "the gateway does not publish on").require(name)
+
+    async def find(self, name: str, _: str | None) -> FoundTopic:
+        return FoundTopic(name, "std_msgs/msg/Bool", ("std_msgs/msg/Bool",), latched=False, subscribers=1)
+
+    load = staticmethod(Publishing.load)
 
 
 class Client(RouteClient):
@@ -38,6 +72,7 @@ class Client(RouteClient):
             robots=cast("Any", SimpleNamespace(get=lambda name: SimpleNamespace(namespace=name or "/"))),
             actions=cast("Any", SimpleNamespace(get=lambda name: self if name == "/fibonacci" else None)),
             robot_actions=actions,
+            messages=Messages(cast("Any", Services()), cast("Any", Topics())),
             interlock=cast("Any", self),
         )
         super().__init__({Missions: self.missions})
@@ -121,6 +156,16 @@ def test_a_mission_is_queued_and_canceled(client: Client) -> None:
         ([{"action": {"name": "fibonacci"}}], "steps.0.action.name"),
         ([{"dock": {}}, {"action": {"name": "/fibonacci"}}], "steps.1.action.goal"),
         ([{"dock": {}}] * 201, "steps"),
+        ([{"navigate": {}}], "steps.0.navigate"),
+        ([{"navigate": {"pose": {"x": 1}}}], "steps.0.navigate.pose.y"),
+        ([{"navigate": {"poses": []}}], "steps.0.navigate.poses"),
+        ([{"navigate": {"pose": {"x": 1, "y": 2}, "poses": [{"x": 1, "y": 2}]}}], "steps.0.navigate"),
+        ([{"navigate": {"pose": {"x": 1e9, "y": 2}}}], "steps.0.navigate.pose.x"),
+        ([{"call": {"service": "reset"}}], "steps.0.call.service"),
+        ([{"call": {"service": "/reset", "request": {"data": 3}}}], "steps.0.call.request.data"),
+        ([{"call": {"service": "/reset", "type": "a/srv/B"}}], "steps.0.call.type"),
+        ([{"dock": {}}, {"publish": {"topic": "/light", "message": {"date": 3}}}], "steps.1.publish.message.date"),
+        ([{"notify": {"text": " "}}], "steps.0.notify.text"),
     ],
 )
 def test_what_is_no_mission(client: Client, steps: list[Any], path: str) -> None:
@@ -179,24 +224,70 @@ def test_there_are_not_too_many(client: Client) -> None:
     assert (refused["code"], refused["limit"]) == ("limit_reached", MAX_MISSIONS)
 
 
-def test_a_mission_is_covered_with_all_its_actions() -> None:
+def test_a_mission_is_covered_with_all_that_it_uses() -> None:
     client = Client()
-    mission = cast(
-        "Any",
-        SimpleNamespace(
-            robot="/robot1",
-            steps=[
-                SimpleNamespace(action=SimpleNamespace(name="/robot1/wave"), verb=None),
-                SimpleNamespace(action=None, verb="dock"),
-            ],
-        ),
-    )
-    actions = client.actions
-    for limits, covered in (
-        ({}, True),
-        ({"robots": ("/robot1",)}, True),
-        ({"robots": ("/robot2",)}, False),
-        ({"actions": ("/robot1/wave",)}, False),
-        ({"actions": ("/robot1/wave", "/robot1/dock")}, True),
+    wave: dict[str, Any] = {"action": {"name": "/robot1/wave", "goal": {}}}
+    mission = queued(wave, {"dock": {}}, robot="/robot1")
+    drive = queued({"navigate": {"pose": {"x": 1, "y": 2}}}, robot="/robot1")
+    call = queued({"call": {"service": "/robot1/reset"}}, {"publish": {"topic": "/robot1/light"}}, robot="/robot1")
+    foreign = queued({"call": {"service": "/robot2/reset"}}, robot="/robot1")
+    publish = queued({"publish": {"topic": "/robot2/light"}}, robot="/robot1")
+    both: dict[str, Any] = {"actions": ("/robot1/wave", "/robot1/dock")}
+    limits: list[dict[str, Any]] = [
+        {},
+        {"robots": ("/robot1",)},
+        {"robots": ("/robot2",)},
+        {"actions": ("/robot1/wave",)},
+    ]
+    limits += [both, {"actions": ("/robot1/navigate_to_pose",)}]
+    for each, covered in (
+        (mission, [True, True, False, False, True, False]),
+        (drive, [True, True, False, False, False, True]),
+        (call, [True, True, False, False, False, False]),
+        (foreign, [True, False, False, False, False, False]),
+        (publish, [True, False, False, False, False, False]),
     ):
-        assert covers(mission, Grant(Role.OPERATOR, **limits), actions) is covered
+        assert [covers(each, Grant(Role.OPERATOR, **limit), client.actions) for limit in limits] == covered
+
+
+def test_what_the_settings_do_not_name_is_refused(client: Client) -> None:
+    for step in ({"call": {"service": "/other"}}, {"publish": {"topic": "/other"}}):
+        refused = client.post({"steps": [step]}, 403)
+        assert refused["code"] == "not_allowed"
+        assert "/other" in refused["settings"][0]
+    assert client.ids() == []
+    steps = [
+        {"call": {"service": "/later", "request": {"anything": 1}}},  # checked when it is there
+        {"call": {"service": "/reset", "request": {"data": True}}},
+        {"publish": {"topic": "/light", "message": {"data": True}}},
+        {"notify": {"text": "Load me"}},
+        {"navigate": {"pose": {"x": 1, "y": -2, "yaw": 1.5}}},
+    ]
+    mission = client.post({"steps": steps})
+    assert [next(kind for kind in KINDS if step[kind] is not None) for step in mission["steps"]] == [*map(_only, steps)]
+    assert mission["steps"][4]["navigate"]["pose"] == {"x": 1, "y": -2, "yaw": 1.5, "frame": "map"}
+
+
+def _only(step: dict[str, Any]) -> str:
+    (kind,) = step
+    return kind
+
+
+def test_where_a_robot_drives() -> None:
+    actions = Client().actions
+    there = queued({"navigate": {"pose": {"x": 1, "y": 2, "yaw": math.pi, "frame": "hall"}}}).steps[0]
+    assert action_of(there, "/robot1", actions) == "/robot1/navigate_to_pose"
+    frame, *numbers = _flat((there.request or {})["pose"])
+    assert frame == "hall"
+    assert numbers == pytest.approx([1, 2, 1, 0])
+    through = queued({"navigate": {"poses": [{"x": 1, "y": 2}, {"x": 3, "y": 4, "yaw": math.pi / 2}]}}).steps[0]
+    assert action_of(through, "/", actions) == "/navigate_through_poses"
+    first, last = map(_flat, (through.request or {})["poses"])
+    assert first == ["map", 1, 2, 0, 1]
+    assert last == ["map", 3, 4, pytest.approx(math.sqrt(0.5)), pytest.approx(math.sqrt(0.5))]
+
+
+def _flat(stamped: dict[str, Any]) -> list[Any]:
+    """Return the frame, x and y of a position, and z and w of an orientation."""
+    pose = stamped["pose"]
+    return [stamped["header"]["frame_id"], *pose["position"].values(), *pose["orientation"].values()]

@@ -15,9 +15,9 @@ from dock_gateway.core.grant import UNLIMITED
 from dock_gateway.core.share import EVERYTHING
 from dock_gateway.extensions.missions import progress
 from dock_gateway.extensions.missions.book import MissionBook
-from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
+from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, StepEntry
 from dock_gateway.extensions.missions.runner import MissionRunner
-from tests.extensions.missions.examples import DOCK, FIBONACCI, NOON, queued
+from tests.extensions.missions.examples import CALL, DOCK, FIBONACCI, NOON, PUBLISH, queued
 from tests.support.entries import EntriesInMemory, SharedStore
 from tests.support.virtual import in_virtual_time
 
@@ -29,12 +29,16 @@ class Server:
         goals: The goals, by their keys.
         takes: Seconds that a goal takes; None: until it is canceled.
         refuses: What a submission raises, one after the other.
+        messages: How many calls and messages were sent.
+        fails: How they fail, one after the other.
     """
 
     def __init__(self) -> None:
         self.goals: dict[str, Goal] = {}
         self.takes: float | None = 10.0
         self.refuses: list[GatewayError] = []
+        self.messages = 0
+        self.fails: list[Exception] = []
         self.there = True
         self.listeners: list[Callable[[Goal], None]] = []
 
@@ -75,6 +79,13 @@ class Server:
 
     async def by_key(self, key: str) -> Goal | None:
         return self.goals.get(key)
+
+    async def send(self, step: StepEntry) -> None:
+        """Carry out a call or a message, which takes a second."""
+        self.messages += 1
+        await asyncio.sleep(1)
+        if self.fails:
+            raise self.fails.pop(0)
 
     def running(self) -> list[Goal]:
         return [goal for goal in self.goals.values() if not goal.status.terminal]
@@ -128,13 +139,18 @@ class Site:
             robot_actions=cast("Any", SimpleNamespace(docking_name=lambda *_: "/dock")),
             goals=cast("Any", server),
             history=cast("Any", server),
-            interlock=cast("Any", SimpleNamespace(holds=lambda _: self.held)),
+            messages=cast("Any", server),
+            interlock=cast("Any", SimpleNamespace(holds=lambda _: self.held, require_released=self.require_released)),
             share=EVERYTHING,
             clock=now,
         )
         server.listeners.append(runner.on_goal)
         runner.start()
         return runner
+
+    def require_released(self, robot: str, _: str) -> None:
+        if self.held:
+            raise Conflict(f"{robot} is stopped", code="stop_latched")
 
     async def add(self, *steps: dict[str, Any], mission_id: str = "a", **fields: Any) -> None:
         await self.runners[0].book.add(mission_id, queued(*steps, **fields))
@@ -282,3 +298,58 @@ async def test_a_lost_goal_is_given_up_and_nothing_moves_by_itself() -> None:
     assert (book.all()["a"].held_for, len(site.server.goals)) == ("lost", 1)
     await book.amend("a", UNLIMITED, lambda mission: progress.cancel(mission, now()))
     assert (await site.ended()).status is MissionStatus.CANCELED
+
+
+@in_virtual_time
+async def test_messages_are_sent_once_by_one_of_two_gateways() -> None:
+    site = Site(gateways=2)
+    await site.add(CALL, PUBLISH, {"notify": {"text": "Done"}})
+    mission = await site.ended()
+    assert (mission.status, site.server.messages) == (MissionStatus.SUCCEEDED, 2)
+    alerts = [alert for runner in site.runners for alert in runner.book.notices.alerts(["/"])]
+    assert {alert.detail for alert in alerts} == {"Done"}
+
+
+@in_virtual_time
+async def test_a_message_that_fails_is_tried_again_and_one_that_a_stop_refuses_is_not() -> None:
+    site = Site()
+    site.server.fails = [Unavailable("away"), RuntimeError("a fault")]
+    await site.add(CALL | {"tries": 3})
+    mission = await site.ended()
+    assert (mission.status, mission.steps[0].attempt, site.server.messages) == (MissionStatus.SUCCEEDED, 3, 3)
+    site.server.fails = [Conflict("a stop", code="stop_latched")]
+    await site.add(CALL, mission_id="b")
+    await asyncio.sleep(10)
+    assert (site.runners[0].book.all()["b"].held_for, site.server.messages) == ("stop", 4)
+
+
+@in_virtual_time
+async def test_a_latched_stop_keeps_a_message_from_being_sent() -> None:
+    site = Site()
+    await site.add({"wait": {"seconds": 5}}, CALL)
+    site.runners[0].book.change, change = cast("Any", None), site.runners[0].book.change
+
+    async def latch_late(mission_id: str, before: MissionEntry, after: MissionEntry) -> bool:
+        changed = await change(mission_id, before, after)
+        site.held |= after.step == 1 and after.current.has_message
+        return changed
+
+    site.runners[0].book.change = latch_late  # type: ignore[method-assign]
+    await asyncio.sleep(20)
+    assert (site.runners[0].book.all()["a"].held_for, site.server.messages) == ("stop", 0)
+
+
+@in_virtual_time
+async def test_a_message_whose_gateway_was_killed_is_not_sent_again() -> None:
+    site = Site()
+    await site.add(CALL, DOCK)
+    await asyncio.sleep(0.5)
+    assert site.server.messages == 1
+    await site.runners[0].close()
+    other = site.open()
+    await asyncio.sleep(30)
+    assert other.book.waits["a"] == "answer"
+    await asyncio.sleep(60)
+    assert (other.book.all()["a"].held_for, site.server.messages, site.server.goals) == ("lost", 1, {})
+    await other.book.amend("a", UNLIMITED, lambda mission: progress.skip(mission, now()))
+    assert (await site.ended()).status is MissionStatus.SUCCEEDED

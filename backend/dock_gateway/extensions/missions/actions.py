@@ -1,7 +1,8 @@
-"""The actions that missions send goals to, and the goals that are sent."""
+"""What missions use: the actions that they send goals to, services and topics."""
 
 from typing import Any
 
+from dock_gateway.core.filters import prefix_of
 from dock_gateway.core.grant import Grant
 from dock_gateway.extensions.missions.mission import MissionEntry
 from dock_gateway.extensions.missions.step import StepFields
@@ -13,6 +14,8 @@ def action_of(step: StepFields, robot: str, robot_actions: RobotActions) -> str 
     """Return the name of the action of a step; None if it sends no goal."""
     if step.action is not None:
         return step.action.name
+    if step.navigate is not None:
+        return prefix_of(robot) + step.navigate.action
     return None if step.verb is None else robot_actions.docking_name(step.verb, robot)
 
 
@@ -22,9 +25,20 @@ def actions_of(mission: MissionEntry, robot_actions: RobotActions) -> set[str]:
     return set(filter(None, names))
 
 
+def covers_message(step: StepFields, grant: Grant) -> bool:
+    """Return whether a grant covers the service or the topic of a step, if it has one."""
+    if step.call is not None:
+        return grant.covers_service(step.call.service)
+    return step.publish is None or grant.covers_publishing(step.publish.topic)
+
+
 def covers(mission: MissionEntry, grant: Grant, robot_actions: RobotActions) -> bool:
-    """Return whether a grant covers the robot of a mission, and all actions that it sends goals to."""
-    return grant.covers_robot(mission.robot) and all(map(grant.covers_action, actions_of(mission, robot_actions)))
+    """Return whether a grant covers the robot of a mission, and all that it uses."""
+    return (
+        grant.covers_robot(mission.robot)
+        and all(map(grant.covers_action, actions_of(mission, robot_actions)))
+        and all(covers_message(step, grant) for step in mission.steps)
+    )
 
 
 async def read_goal(step: StepFields, action: Action, place: str = "") -> Any:
@@ -39,7 +53,8 @@ async def read_goal(step: StepFields, action: Action, place: str = "") -> Any:
         InvalidField: It is not a goal of the action.
         Conflict: `stopped`: a stop was requested in the meantime.
     """
-    path = place and f"{place}.{step.verb or 'action.goal'}"
+    kind = step.verb or ("navigate" if step.navigate is not None else "action.goal")
+    path = place and f"{place}.{kind}"
     if step.verb is None:
         return await action.read_goal(step.request, path)
     return action.read_docking_request(step.request, path)

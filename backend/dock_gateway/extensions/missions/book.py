@@ -11,6 +11,7 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
+from dock_gateway.extensions.missions.notices import Notices
 from dock_gateway.storage import Entries
 from dock_gateway.storage.shared_entries import SharedEntries
 
@@ -38,6 +39,7 @@ class MissionBook(SharedEntries[MissionEntry]):
 
     Attributes:
         waits: What those wait for that this gateway follows, by their ids; `set_wait` changes it.
+        notices: What missions have told people.
     """
 
     def __init__(
@@ -49,6 +51,7 @@ class MissionBook(SharedEntries[MissionEntry]):
         self._covers = covers
         self._seen: dict[str, int] | None = None  # the revisions whose events were published; None: nothing was read
         self.waits: dict[str, str] = {}
+        self.notices = Notices()
 
     async def read(self) -> Mapping[str, MissionEntry]:
         """Read other gateways' changes, publish them, and return the missions that have not ended.
@@ -60,6 +63,10 @@ class MissionBook(SharedEntries[MissionEntry]):
             if mission.status.ended:  # its gateway was killed before it was moved
                 await self._move_to_past(mission_id, mission)
         missions = self.all()
+        if self._seen is None:
+            for mission_id, mission in (await self._past.read()).items():
+                self.notices.add(mission_id, mission)
+        self.notices.update(missions)
         if self._seen is not None:
             for mission_id, mission in missions.items():
                 if self._seen.get(mission_id, -1) < mission.revision:
@@ -115,6 +122,7 @@ class MissionBook(SharedEntries[MissionEntry]):
             await self.read()
             return False
         self.waits.pop(mission_id, None)
+        self.notices.add(mission_id, after)
         self._published(mission_id, after)
         if after.status.ended:
             await self._move_to_past(mission_id, after)
@@ -203,6 +211,7 @@ class MissionBook(SharedEntries[MissionEntry]):
         Raises:
             Unavailable: The history does not answer (`history_unavailable`); it is moved later.
         """
+        self.notices.add(mission_id, mission)
         await self._past.write(mission_id, mission)
         await self.store(mission_id, None, lambda _: None)
         ended = sorted((each.created_at, key) for key, each in (await self._past.read()).items())

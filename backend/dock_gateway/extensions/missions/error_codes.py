@@ -9,4 +9,5 @@ CODES = (
     ErrorCode("step_timeout", None, "Of a step: it took longer than its `timeout_s`."),
     ErrorCode("not_sent", None, "Of a step: its goal could not be sent within 23 hours."),
     ErrorCode("goal_canceled", None, "Of a step: its goal was canceled, and not by the mission."),
+    ErrorCode("step_interrupted", None, "Of a step: the gateway ended during its call or its message."),
 )

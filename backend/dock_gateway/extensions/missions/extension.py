@@ -10,14 +10,19 @@ from dock_gateway.extension import Extension
 from dock_gateway.extensions.missions.actions import covers
 from dock_gateway.extensions.missions.book import MissionBook
 from dock_gateway.extensions.missions.error_codes import CODES
+from dock_gateway.extensions.missions.messages import Messages
 from dock_gateway.extensions.missions.mission import MissionEntry
 from dock_gateway.extensions.missions.missions import Missions
+from dock_gateway.extensions.missions.notices import NOTICE
 from dock_gateway.extensions.missions.routes import router
 from dock_gateway.extensions.missions.runner import MissionRunner
 from dock_gateway.extensions.missions.schema import MissionEvent
+from dock_gateway.fleet.alert_board import AlertBoard
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
+from dock_gateway.graph.publishing import Publishing
+from dock_gateway.graph.service_calls import ServiceCalls
 from dock_gateway.http.parts import Parts
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.registry import RobotRegistry
@@ -31,6 +36,7 @@ async def open_missions(parts: Parts) -> AsyncIterator[Missions]:
     async with AsyncExitStack() as stack:
         robots, actions, robot_actions = parts[RobotRegistry], parts[ActionRegistry], parts[RobotActions]
         history, interlock = parts[History], parts[Interlock]
+        messages = Messages(parts[ServiceCalls], parts[Publishing])
         book = MissionBook(
             parts[Fanout],
             history.documents("mission", MissionEntry),
@@ -46,6 +52,7 @@ async def open_missions(parts: Parts) -> AsyncIterator[Missions]:
                 robot_actions=robot_actions,
                 goals=parts[Goals],
                 history=history,
+                messages=messages,
                 interlock=interlock,
                 share=parts[Share],
             ),
@@ -55,8 +62,17 @@ async def open_missions(parts: Parts) -> AsyncIterator[Missions]:
         stack.enter_context(parts[Stopper].on_stop.adding(runner.on_stop))
         stack.enter_context(interlock.on_release.adding(runner.wake))
         stack.enter_context(robots.at_work.adding(runner.has_work))
+        stack.enter_context(parts[AlertBoard].sources.adding(lambda: book.notices.alerts(robots.namespaces())))
         runner.start()
-        yield Missions(book, runner, robots=robots, actions=actions, robot_actions=robot_actions, interlock=interlock)
+        yield Missions(
+            book,
+            runner,
+            robots=robots,
+            actions=actions,
+            robot_actions=robot_actions,
+            messages=messages,
+            interlock=interlock,
+        )
 
 
 extension = Extension(
@@ -64,5 +80,6 @@ extension = Extension(
     open_missions,
     routes=lambda _: (router,),
     events=(MissionEvent,),
+    alerts=(NOTICE,),
     errors=CODES,
 )

@@ -12,6 +12,8 @@ from dock_gateway.http.schema import RosName, Schema
 
 # A step of `GET /missions` has what clients sent, and these.
 STORED_ONLY = frozenset({"tried", "retry_at"})
+# How long a notice is an alert at least.
+NOTICE_FOR = timedelta(minutes=1)
 
 
 class MissionStatus(StrEnum):
@@ -35,8 +37,8 @@ class HoldReason(StrEnum):
     """Why a mission does not go on until a person continues it.
 
     `stop`: the robot was stopped. `canceled`: the goal of its step was canceled, and not by the mission. `lost`:
-    contact was lost during that goal, and it takes too long. `person`: its step waits for a person. `paused`: it was
-    paused.
+    nobody knows what the robot did: contact was lost during that goal, and it takes too long, or the gateway ended
+    during a call or a message. `person`: its step waits for a person. `paused`: it was paused.
     """
 
     STOP = "stop"
@@ -62,6 +64,26 @@ class Reason(Schema):
 
     code: str
     detail: str
+
+
+class Notice(Schema):
+    """What a mission has last told people.
+
+    Attributes:
+        text: The sentence.
+        critical: Whether somebody has to act.
+        told_at: When.
+        standing: Whether the step after it has not ended.
+    """
+
+    text: str
+    critical: bool
+    told_at: datetime
+    standing: bool = True
+
+    def is_active(self, now: datetime) -> bool:
+        """Return whether it is an alert now."""
+        return self.standing or now < self.told_at + NOTICE_FOR
 
 
 class StepEntry(StepFields):
@@ -90,7 +112,12 @@ class StepEntry(StepFields):
     @property
     def has_goal(self) -> bool:
         """Whether its goal is to be sent, or was sent and may be running."""
-        return self.status is StepStatus.RUNNING and self.wait is None
+        return self.status is StepStatus.RUNNING and self.sends_goal
+
+    @property
+    def has_message(self) -> bool:
+        """Whether its call or message is to be sent, or may have been sent."""
+        return self.status is StepStatus.RUNNING and self.is_message
 
     @property
     def fails_at(self) -> datetime | None:
@@ -131,10 +158,12 @@ class MissionEntry(MissionFields):
 
     Attributes:
         steps: Its steps, at least one.
+        notice: What it has last told people; None: nothing.
         revision: Counts its changes: one who changes it says what they have read.
     """
 
     steps: tuple[StepEntry, ...]
+    notice: Notice | None = None
     revision: int = 0
 
     @property

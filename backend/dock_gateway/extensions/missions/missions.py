@@ -1,5 +1,6 @@
 """What people do with missions: queue, pause, continue and cancel them, within their grants."""
 
+import asyncio
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -9,6 +10,7 @@ from dock_gateway.core.grant import Grant
 from dock_gateway.extensions.missions import progress
 from dock_gateway.extensions.missions.actions import action_of, actions_of, read_goal
 from dock_gateway.extensions.missions.book import MissionBook
+from dock_gateway.extensions.missions.messages import Messages
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
 from dock_gateway.extensions.missions.runner import MissionRunner
 from dock_gateway.extensions.missions.schema import MissionBody
@@ -27,6 +29,7 @@ class Missions:
         robots: The robots.
         actions: All actions.
         robot_actions: Which of them dock and undock each robot.
+        messages: Checks calls and messages.
         interlock: The latched stops.
     """
 
@@ -38,6 +41,7 @@ class Missions:
         robots: RobotRegistry,
         actions: ActionRegistry,
         robot_actions: RobotActions,
+        messages: Messages,
         interlock: Interlock,
     ) -> None:
         self.book = book
@@ -45,14 +49,16 @@ class Missions:
         self._robots = robots
         self._actions = actions
         self._robot_actions = robot_actions
+        self._messages = messages
         self._interlock = interlock
 
     async def add(self, mission_id: str, body: MissionBody, robot: str | None, grant: Grant) -> Mapping[str, Any]:
         """Queue a mission; return it.
 
         Raises:
-            InvalidField: A goal is not one of its action.
-            NotAllowed: The grant does not cover an action (`not_allowed`).
+            InvalidField: A goal is not one of its action, or a message not of its type.
+            NotAllowed: The grant does not cover an action, or the settings do not name a service or a topic
+                (`not_allowed`).
             NotFound: `robot_not_found`.
             Conflict: There are too many (`limit_reached`), or the id is that of another one (`idempotency_key_reused`).
             Unavailable: The history does not answer (`history_unavailable`).
@@ -60,22 +66,25 @@ class Missions:
         mission = body.entry(self._robots.get(robot).namespace)
         for name in actions_of(mission, self._robot_actions):
             grant.require_action(name)
+        for step in mission.steps:
+            self._messages.require(step, grant)
         await self._require_goals(mission)
         added = await self.book.add(mission_id, mission)
         self._runner.wake()
         return self.book.describe(mission_id, added)
 
     async def _require_goals(self, mission: MissionEntry) -> None:
-        """Check the goals of the steps whose actions are there; the others are checked when they are sent.
+        """Check the goals and messages of the steps whose servers are there; the others are checked when they are sent.
 
         Raises:
-            InvalidField: One is not a goal of its action; its path begins with that of the step.
+            InvalidField: One is not a goal of its action, or a message of its type; its path begins with the step's.
         """
         for number, step in enumerate(mission.steps):
             name = action_of(step, mission.robot, self._robot_actions)
             action = None if name is None else self._actions.get(name)
             if action is not None:
                 await read_goal(step, action, f"steps.{number}")
+        await asyncio.gather(*(self._messages.check(step, f"steps.{at}") for at, step in enumerate(mission.steps)))
 
     async def cancel(self, mission_id: str, grant: Grant) -> Mapping[str, Any]:
         """End a mission; return it.

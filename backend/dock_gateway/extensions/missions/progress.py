@@ -4,13 +4,21 @@ A step is carried out once: it is `running`, with the number of its try, before 
 made of the mission, the step and the try, by which it is found again after a restart.
 """
 
-from dataclasses import dataclass
 from datetime import datetime, timedelta
-from enum import StrEnum
 
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.extensions.missions.mission import HoldReason, MissionEntry, MissionStatus, Reason, StepStatus
+from dock_gateway.extensions.missions.mission import (
+    HoldReason,
+    MissionEntry,
+    MissionStatus,
+    Notice,
+    Reason,
+    StepEntry,
+    StepStatus,
+)
+from dock_gateway.extensions.missions.moves import Cancel, Change, Facts, Move, Send, Wait, WaitsFor
 from dock_gateway.extensions.missions.step import FailurePolicy
+from dock_gateway.extensions.missions.step_kinds import WaitStep
 
 # Between two tries of a step.
 RETRY_AFTER = timedelta(seconds=5)
@@ -19,74 +27,14 @@ RETRY_AFTER = timedelta(seconds=5)
 SEND_WITHIN = timedelta(hours=23)
 UNSENT = Reason(code="not_sent", detail="the goal could not be sent within 23 hours")
 GONE = Reason(code="goal_not_found", detail="the history no longer has the goal")
+INTERRUPTED = Reason(
+    code="step_interrupted", detail="the gateway ended during the step; nobody knows whether it was carried out"
+)
+# A call or a message that no gateway has ended so long after its time is over: the one that sent it was killed.
+ENDS_WITHIN = timedelta(seconds=60)
 TIMEOUT = Reason(code="step_timeout", detail="the step took longer than its timeout_s")
 # The code of a goal that a stop has ended.
 STOPPED = "stopped"
-
-
-class WaitsFor(StrEnum):
-    """What a mission waits for that has not ended, besides the goal of its step."""
-
-    TURN = "turn"
-    CONTINUE = "continue"
-    STOP_RELEASED = "stop_released"
-    OTHER_GOAL = "other_goal"
-    RETRY = "retry"
-    TIME = "time"
-    BATTERY = "battery"
-    GOAL = "goal"
-    SERVER = "server"
-    LOST_GOAL = "lost_goal"
-    HISTORY = "history"
-
-
-@dataclass(frozen=True)
-class Facts:
-    """What is known of the robot of a mission.
-
-    Attributes:
-        stopped: Whether a stop holds for it, or has come since the last look.
-        other_goal: Whether a goal runs on it that is not this mission's.
-        battery: Its charge, 0 to 1; None if that is unknown.
-        goal: The goal of the present step, as far as it is known.
-        given_up: Whether that is lost, and canceled should it return.
-    """
-
-    stopped: bool = False
-    other_goal: bool = False
-    battery: float | None = None
-    goal: Goal | None = None
-    given_up: bool = False
-
-
-@dataclass(frozen=True)
-class Change:
-    """The mission becomes this one."""
-
-    mission: MissionEntry
-
-
-@dataclass(frozen=True)
-class Send:
-    """The goal of the present step is to be sent, or found again."""
-
-
-@dataclass(frozen=True)
-class Cancel:
-    """The goal of the present step is to be canceled."""
-
-    goal: Goal
-
-
-@dataclass(frozen=True)
-class Wait:
-    """There is nothing to do until something changes, or until a time."""
-
-    reason: WaitsFor
-    until: datetime | None = None
-
-
-Move = Change | Send | Cancel | Wait
 
 
 def next_move(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
@@ -108,7 +56,7 @@ def _begin(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
         return Change(mission.but(status=MissionStatus.HELD, held_for=HoldReason.PAUSED, pausing=False))
     if step.retry_at is not None and now < step.retry_at:
         return Wait(WaitsFor.RETRY, step.retry_at)
-    if step.wait is None and facts.other_goal:
+    if facts.other_goal and (step.sends_goal or step.is_message):
         return Wait(WaitsFor.OTHER_GOAL)
     begun = mission.with_step(
         status=StepStatus.RUNNING,
@@ -127,16 +75,28 @@ def _begin(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
 def _follow(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
     """Return what comes next while the present step is running."""
     step = mission.current
+    if step.is_message:
+        return _follow_message(mission, facts, now)
+    if step.notify is not None:
+        notice = Notice(text=step.notify.text, critical=step.notify.critical, told_at=now)
+        return Change(succeed(mission, now).model_copy(update={"notice": notice}))
     if step.wait is None:
         return _follow_goal(mission, facts, now)
-    if _is_over(mission, facts, now):
+    return _follow_wait(mission, step.wait, facts, now)
+
+
+def _follow_wait(mission: MissionEntry, wait: WaitStep, facts: Facts, now: datetime) -> Move:
+    """Return what comes next while the present step waits."""
+    step = mission.current
+    ends_at = wait.ends_at(step.started_at or now)
+    charged = wait.battery is not None and facts.battery is not None and facts.battery >= wait.battery
+    if charged or (ends_at is not None and now >= ends_at):
         return Change(succeed(mission, now))
     if step.is_late(now):
         return Change(fail(mission, TIMEOUT, now))
-    if step.wait.battery is not None:
+    if wait.battery is not None:
         return Wait(WaitsFor.BATTERY, step.fails_at)
-    ends = filter(None, (step.wait.ends_at(step.started_at or now), step.fails_at))
-    return Wait(WaitsFor.TIME, min(ends))
+    return Wait(WaitsFor.TIME, min(filter(None, (ends_at, step.fails_at))))
 
 
 def _follow_goal(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
@@ -153,6 +113,25 @@ def _follow_goal(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
     return Wait(WaitsFor.LOST_GOAL if goal.status is GoalStatus.LOST else WaitsFor.GOAL, step.fails_at)
 
 
+def _follow_message(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
+    """Return what comes next while the call or message of the present step is to be sent, or may have been sent."""
+    sent = facts.sent
+    if sent is None:
+        if now < _message_ends_at(mission.current, now):
+            return Wait(WaitsFor.ANSWER, _message_ends_at(mission.current, now))
+        return Change(_again(mission, INTERRUPTED, now).but(status=MissionStatus.HELD, held_for=HoldReason.LOST))
+    if not sent.over:
+        return Send()
+    if sent.error is None:
+        return Change(succeed(mission, now))
+    return Change((hold_for_stop if sent.by_stop else fail)(mission, sent.error, now))
+
+
+def _message_ends_at(step: StepEntry, now: datetime) -> datetime:
+    """Return when no gateway is sending the call or message of a step any more."""
+    return (step.started_at or now) + timedelta(seconds=step.answer_within) + ENDS_WITHIN
+
+
 def _give_up(mission: MissionEntry, goal: Goal, facts: Facts, now: datetime) -> Move:
     """Return what comes next when the goal of the present step takes too long."""
     if mission.current.error is None:  # which says, also after a restart, that it is canceled for this
@@ -161,17 +140,6 @@ def _give_up(mission: MissionEntry, goal: Goal, facts: Facts, now: datetime) -> 
         return Cancel(goal)
     # Nobody knows what the robot does, or whether it was switched off and on: it does not move again by itself.
     return Change(_again(mission, TIMEOUT, now).but(status=MissionStatus.HELD, held_for=HoldReason.LOST))
-
-
-def _is_over(mission: MissionEntry, facts: Facts, now: datetime) -> bool:
-    """Return whether that for which the present step waits has come."""
-    step, wait = mission.current, mission.current.wait
-    if wait is None:
-        return False
-    if wait.battery is not None:
-        return facts.battery is not None and facts.battery >= wait.battery
-    ends = wait.ends_at(step.started_at or now)
-    return ends is not None and now >= ends
 
 
 def _reason_of(goal: Goal, code: str, otherwise: str) -> Reason:
@@ -210,12 +178,21 @@ def _hold(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
     goal = facts.goal
     if mission.current.has_goal and goal is not None and goal.status.final:
         if goal.status is GoalStatus.SUCCEEDED:
-            following = succeed(mission, now)
-            held = {} if following.status.ended else {"status": mission.status, "held_for": mission.held_for}
-            return Change(following.model_copy(update=held))
+            return Change(_held_on(mission, now))
         reason = _reason_of(goal, "goal_canceled", "the goal ended while the mission was held")
         return Change(_again(mission, reason, now))
+    if mission.current.has_message and facts.sent is not None and facts.sent.over:
+        if facts.sent.error is None:
+            return Change(_held_on(mission, now))
+        return Change(_again(mission, facts.sent.error, now))
     return Wait(WaitsFor.STOP_RELEASED if facts.stopped else WaitsFor.CONTINUE)
+
+
+def _held_on(mission: MissionEntry, now: datetime) -> MissionEntry:
+    """Return a held mission whose step has succeeded: it is held before the next one."""
+    following = succeed(mission, now)
+    held = {} if following.status.ended else {"status": mission.status, "held_for": mission.held_for}
+    return following.model_copy(update=held)
 
 
 def _cancel(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
@@ -223,7 +200,11 @@ def _cancel(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
     goal = facts.goal if mission.current.has_goal else None
     if goal is not None and not goal.status.final and not facts.given_up:
         return Cancel(goal)
+    sent, ends_at = facts.sent, _message_ends_at(mission.current, now)
+    if mission.current.has_message and sent is None and now < ends_at:
+        return Wait(WaitsFor.ANSWER, ends_at)
     arrived = goal is not None and goal.status is GoalStatus.SUCCEEDED
+    arrived |= sent is not None and sent.over and sent.error is None
     status = StepStatus.SUCCEEDED if arrived else StepStatus.CANCELED
     return Change(_end(mission.with_step(status=status, finished_at=now), MissionStatus.CANCELED, now))
 
@@ -244,6 +225,11 @@ def fail(mission: MissionEntry, error: Reason, now: datetime) -> MissionEntry:
     if step.on_failure is FailurePolicy.NEXT:
         return _go_on(failed, now)
     return _end(failed, MissionStatus.FAILED, now).model_copy(update={"error": error})
+
+
+def begins_message(before: MissionEntry, after: MissionEntry) -> bool:
+    """Return whether a change begins a try of a call or a message."""
+    return after.step == before.step and after.current.has_message and not before.current.has_message
 
 
 def has_try(mission: MissionEntry | None, step: int, attempt: int) -> bool:
@@ -293,7 +279,8 @@ def resume(mission: MissionEntry, now: datetime) -> MissionEntry:
 
 def _go_on(mission: MissionEntry, now: datetime) -> MissionEntry:
     """Return the mission at its next step."""
-    mission = mission.but(step=mission.step + 1)
+    told = mission.notice and mission.notice.model_copy(update={"standing": False})
+    mission = mission.but(step=mission.step + 1, notice=told)
     return _end(mission, MissionStatus.SUCCEEDED, now) if mission.step == len(mission.steps) else mission
 
 

@@ -13,8 +13,10 @@ from dock_gateway.core.tasks import Tasks
 from dock_gateway.extensions.missions import progress
 from dock_gateway.extensions.missions.actions import action_of, read_goal
 from dock_gateway.extensions.missions.book import MissionBook
+from dock_gateway.extensions.missions.messages import Messages
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, Reason
-from dock_gateway.extensions.missions.progress import Cancel, Change, Facts, Send, Wait, WaitsFor, next_move
+from dock_gateway.extensions.missions.moves import Cancel, Change, Facts, Send, Sent, Wait, WaitsFor
+from dock_gateway.extensions.missions.progress import begins_message, next_move
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
@@ -39,6 +41,7 @@ class MissionRunner:
         robot_actions: Which of them dock and undock each robot.
         goals: Their goals.
         history: Finds goals that were sent before a restart.
+        messages: Calls services, and publishes messages.
         interlock: The latched stops.
         share: The robots that this gateway serves.
         clock: Returns the time.
@@ -53,6 +56,7 @@ class MissionRunner:
         robot_actions: RobotActions,
         goals: Goals,
         history: History,
+        messages: Messages,
         interlock: Interlock,
         share: Share,
         clock: Callable[[], datetime] = utc_now,
@@ -63,11 +67,13 @@ class MissionRunner:
         self._robot_actions = robot_actions
         self._goals = goals
         self._history = history
+        self._messages = messages
         self._interlock = interlock
         self._share = share
         self._clock = clock
         self._stopped: set[str] = set()  # robots that were stopped since the last look
         self._given_up: set[str] = set()  # lost goals that are canceled should they return
+        self._sent: dict[str, Sent] = {}  # calls and messages whose tries this gateway has begun, by their keys
         self._busy: set[str] = set()  # robots
         self._woken = asyncio.Event()
         self._tasks = Tasks("carrying out missions")
@@ -168,11 +174,17 @@ class MissionRunner:
         move = next_move(mission, facts, self._clock())
         match move:
             case Change(after):
-                await self.book.change(mission_id, mission, after)
+                changed = await self.book.change(mission_id, mission, after)
+                self._sent.pop(_key(mission_id, mission), None)
+                if changed and begins_message(mission, after):
+                    self._sent[_key(mission_id, after)] = Sent()
                 if facts.goal is not None:
                     self._given_up.discard(facts.goal.goal_id)
                 if after.status is not MissionStatus.RUNNING:
                     self._stopped.discard(mission.robot)
+                return None
+            case Send() if mission.current.is_message:
+                await self._send_message(mission_id, mission)
                 return None
             case Send():
                 return await self._send(mission_id, mission)
@@ -195,6 +207,7 @@ class MissionRunner:
             battery=battery,
             goal=goal,
             given_up=goal is not None and goal.goal_id in self._given_up,
+            sent=self._sent.get(_key(mission_id, mission)),
         )
 
     def _is_of(self, robot: str, action_name: str) -> bool:
@@ -245,6 +258,21 @@ class MissionRunner:
             return None
         await self.book.change(mission_id, mission, after)
         return None
+
+    async def _send_message(self, mission_id: str, mission: MissionEntry) -> None:
+        """Call the service of the present step, or publish its message, and note how that ends."""
+        key = _key(mission_id, mission)
+        try:
+            self._interlock.require_released(mission.robot, "missions")
+            await self._messages.send(mission.current)
+        except GatewayError as error:
+            reason = Reason(code=error.code, detail=error.detail)
+            self._sent[key] = Sent(over=True, error=reason, by_stop=is_by_stop(error))
+        except Exception:
+            log.exception("while sending the message of a mission")
+            self._sent[key] = Sent(over=True, error=progress.INTERRUPTED)
+        else:
+            self._sent[key] = Sent(over=True)
 
     async def _cancel(self, goal: Goal) -> Wait:
         """Cancel the goal of a step. It is asked for again until the goal has ended."""

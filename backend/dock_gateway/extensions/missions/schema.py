@@ -14,7 +14,7 @@ from dock_gateway.extensions.missions.mission import (
     StepEntry,
     StepStatus,
 )
-from dock_gateway.extensions.missions.progress import WaitsFor
+from dock_gateway.extensions.missions.moves import WaitsFor
 from dock_gateway.extensions.missions.step import StepFields
 from dock_gateway.http.bodies import Name60
 from dock_gateway.http.schema import Schema

@@ -11,6 +11,7 @@ import {
 import { type FormEvent, useEffect, useRef, useState } from "react";
 import { useNavigate } from "react-router";
 import { NameInput, ownName, setOwnName } from "../../access/who";
+import { useActions } from "../../actions/actions";
 import { refusedFields } from "../../actions/DraftFields";
 import { useGatewayNow } from "../../clock/clock";
 import { useFleet, useFleetPart, useFleetTopic, useNaming, useWhyNot } from "../../fleet/context";
@@ -40,7 +41,7 @@ import classes from "./missions.module.css";
 import { useOpenMissions } from "./openMissions";
 import { queuesOf } from "./queue";
 import { createMission } from "./requests";
-import { StepCard } from "./StepCard";
+import { StepCard, TITLES } from "./StepCard";
 
 interface MissionFormProps {
   draft: Draft;
@@ -195,7 +196,7 @@ export function MissionForm({ draft, onChange }: MissionFormProps) {
               />
             ))}
           </ol>
-          <Adders full={draft.steps.length >= MAX_STEPS} onAdd={add} ref={adders} />
+          <Adders robot={draft.robot} full={draft.steps.length >= MAX_STEPS} onAdd={add} ref={adders} />
           {errorAt(errors, "steps") !== undefined && (
             <Text size="sm" c="var(--mantine-color-error)" role="alert">
               {errorAt(errors, "steps")}
@@ -249,6 +250,11 @@ function RobotField({ robot, onRobot }: { robot: string; onRobot: (robot: string
   );
 }
 
+/** The action by which nav2 drives a robot to a place. */
+function navigatorOf(robot: string): string {
+  return `${robot === "/" ? "" : robot}/navigate_to_pose`;
+}
+
 /** When the mission begins. */
 function Begins({ robot }: { robot: string }) {
   const name = useNaming().nameOf(robot);
@@ -269,34 +275,33 @@ function Begins({ robot }: { robot: string }) {
   );
 }
 
-const KINDS: { kind: StepKind; words: string }[] = [
-  { kind: "dock", words: "Dock" },
-  { kind: "undock", words: "Undock" },
-  { kind: "action", words: "Action" },
-  { kind: "wait", words: "Wait" },
-];
+const KINDS: StepKind[] = ["dock", "undock", "action", "wait", "notify", "call", "publish"];
 
 interface AddersProps {
+  robot: string;
   full: boolean;
   onAdd: (kind: StepKind) => void;
   ref: React.Ref<HTMLDivElement>;
 }
 
-function Adders({ full, onAdd, ref }: AddersProps) {
+function Adders({ robot, full, onAdd, ref }: AddersProps) {
+  const { data: actions = [] } = useActions();
+  const navigates = actions.some(({ action_name }) => action_name === navigatorOf(robot));
+  const kinds: StepKind[] = navigates ? ["navigate", ...KINDS] : KINDS;
   return (
     <Group gap="xs" ref={ref} role="group" aria-label="Add a step">
       <Text size="sm" aria-hidden="true">
         Add a step:
       </Text>
-      {KINDS.map(({ kind, words }) => (
+      {kinds.map((kind) => (
         <ReasonButton
           key={kind}
           variant="default"
           reason={full ? `A mission has at most ${MAX_STEPS} steps.` : null}
-          aria-label={`Add step: ${words}`}
+          aria-label={`Add step: ${TITLES[kind]}`}
           onClick={() => onAdd(kind)}
         >
-          {words}
+          {TITLES[kind]}
         </ReasonButton>
       ))}
     </Group>

@@ -2,6 +2,7 @@ import { Group, Text } from "@mantine/core";
 import { useGatewayNow } from "../../clock/clock";
 import { Tool } from "../../ui/Tool";
 import { type StepDraft, stepErrors, type Wrong } from "./draft";
+import { MessageFields, NotifyFields, PlaceFields } from "./FurtherFields";
 import classes from "./missions.module.css";
 import { ActionFields, DockFields, type Edit, Options, Refused, WaitFields } from "./StepFields";
 import { actionWords } from "./words";
@@ -10,11 +11,15 @@ const UP = "M12 5.5 5 12.5l1.4 1.4 4.6-4.6V19h2V9.3l4.6 4.6 1.4-1.4Z";
 const DOWN = "M12 18.5l7-7-1.4-1.4-4.6 4.6V5h-2v9.7l-4.6-4.6L5 11.5Z";
 const CROSS = "M6.4 5 5 6.4l5.6 5.6L5 17.6 6.4 19l5.6-5.6 5.6 5.6 1.4-1.4-5.6-5.6L19 6.4 17.6 5 12 10.6Z";
 
-const TITLES: Record<StepDraft["kind"], string> = {
+export const TITLES: Record<StepDraft["kind"], string> = {
   dock: "Dock",
   undock: "Undock",
+  navigate: "Drive",
   action: "Action",
   wait: "Wait",
+  notify: "Tell people",
+  call: "Call",
+  publish: "Publish",
 };
 
 interface StepCardProps {
@@ -86,6 +91,11 @@ export function StepCard({ step, index, count, robot, tried, onChange, onMove, o
       {step.kind === "action" && (
         <ActionFields step={step} robot={robot} errors={errors} set={set} onChange={onChange} />
       )}
+      {step.kind === "navigate" && <PlaceFields step={step} errors={errors} set={set} />}
+      {(step.kind === "call" || step.kind === "publish") && (
+        <MessageFields step={step} kind={step.kind} errors={errors} set={set} />
+      )}
+      {step.kind === "notify" && <NotifyFields step={step} errors={errors} set={set} />}
       {step.kind === "wait" && <WaitFields step={step} errors={errors} set={set} />}
       <Options step={step} errors={errors} set={set} />
       {own.map(({ detail }) => (

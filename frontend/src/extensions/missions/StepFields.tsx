@@ -36,7 +36,7 @@ import { optionWords, secondsWords } from "./words";
 /** Changes a step. */
 export type Edit = (edit: (before: StepDraft) => StepDraft) => void;
 
-interface FieldsProps {
+export interface FieldsProps {
   step: StepDraft;
   errors: readonly Wrong[];
   set: (part: Partial<StepDraft>, ...paths: string[]) => void;

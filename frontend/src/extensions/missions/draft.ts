@@ -1,10 +1,10 @@
-import { type Draft as GoalDraft, newDraft, outgoing } from "../../actions/form/draft";
+import { type Draft as GoalDraft, newDraft, outgoing, spaced } from "../../actions/form/draft";
 import type { MessageShape } from "../../actions/form/shapes";
 import type { FieldError } from "../../actions/form/write";
 import type { Json, JsonObject } from "../../api/jsonSchema";
 import { LIMITS } from "../../api/limits.gen";
 import { clockOf, dayOf, timeAt } from "../../ui/time";
-import type { Mission, MissionStep } from "./requests";
+import type { Mission, MissionStep, Waypoint } from "./requests";
 
 const LIMITS_OF_MISSION = LIMITS["POST /missions"];
 export const { maxLength: MAX_NAME } = LIMITS_OF_MISSION.name;
@@ -12,10 +12,11 @@ export const { minimum: MIN_PRIORITY, maximum: MAX_PRIORITY } = LIMITS_OF_MISSIO
 export const { maxItems: MAX_STEPS } = LIMITS_OF_MISSION.steps;
 export const { minimum: MIN_TIMEOUT_S, maximum: MAX_TIMEOUT_S } = LIMITS_OF_MISSION["steps[].timeout_s"];
 export const { minimum: MIN_TRIES, maximum: MAX_TRIES } = LIMITS_OF_MISSION["steps[].tries"];
+export const { maxLength: MAX_NOTICE } = LIMITS_OF_MISSION["steps[].notify.text"];
 export const { maximum: MAX_WAIT_S } = LIMITS_OF_MISSION["steps[].wait.seconds"];
 const PRIORITY = 50;
 
-export type StepKind = "dock" | "undock" | "action" | "wait";
+export type StepKind = "dock" | "undock" | "navigate" | "action" | "wait" | "notify" | "call" | "publish";
 export type WaitKind = "seconds" | "until" | "battery" | "person";
 
 /** A goal as it is filled in, with what its form is made of. */
@@ -39,6 +40,19 @@ export interface StepDraft {
   message: Json;
   /** Null until somebody changes the goal. */
   goal: GoalForm | null;
+  /** Where to drive, in metres and degrees. */
+  place: { x: number | string; y: number | string; heading: number | string; frame: string };
+  /** Several places, as they were sent: they are not edited here. */
+  places: Waypoint[] | null;
+  /** The name of a service or a topic. */
+  target: string;
+  /** Its type; empty where it has only one. */
+  type: string;
+  /** What is sent there: JSON, as it was typed. */
+  content: string;
+  /** What people are told. */
+  text: string;
+  critical: boolean;
   wait: WaitKind;
   seconds: number | string;
   day: string;
@@ -78,6 +92,13 @@ export function newStep(kind: StepKind, now: number, change: Partial<StepDraft> 
     action: "",
     message: {},
     goal: null,
+    place: { x: "", y: "", heading: 0, frame: "map" },
+    places: null,
+    target: "",
+    type: "",
+    content: "{}",
+    text: "",
+    critical: false,
     wait: "seconds",
     seconds: 60,
     day: dayOf(inAnHour),
@@ -133,7 +154,33 @@ function stepOf(step: MissionStep, now: number): StepDraft {
     const { name, goal } = step.action;
     return newStep("action", now, { ...options, action: name, message: (goal ?? {}) as Json });
   }
+  if (step.navigate !== null) return newStep("navigate", now, { ...options, ...placeOf(step.navigate) });
+  if (step.call !== null) {
+    const { service, request, type } = step.call;
+    return newStep("call", now, {
+      ...options,
+      target: service,
+      type: type ?? "",
+      content: spaced(request as Json),
+    });
+  }
+  if (step.publish !== null) {
+    const { topic, message, type } = step.publish;
+    return newStep("publish", now, {
+      ...options,
+      target: topic,
+      type: type ?? "",
+      content: spaced(message as Json),
+    });
+  }
+  if (step.notify !== null) return newStep("notify", now, { ...options, ...step.notify });
   return newStep("wait", now, { ...options, ...waitOf(step.wait) });
+}
+
+function placeOf({ pose, poses }: NonNullable<MissionStep["navigate"]>): Partial<StepDraft> {
+  if (pose === null) return { places: poses };
+  const { x, y, yaw, frame } = pose;
+  return { place: { x, y, heading: Math.round((yaw * 180_000) / Math.PI) / 1000, frame } };
 }
 
 function waitOf(wait: MissionStep["wait"]): Partial<StepDraft> {
@@ -172,6 +219,12 @@ export function stepErrors(step: StepDraft, now: number): Wrong[] {
 
 function ownErrors(step: StepDraft, now: number): Wrong[] {
   if (step.kind === "wait") return waitErrors(step, now);
+  if (step.kind === "navigate") return placeErrors(step);
+  if (step.kind === "call" || step.kind === "publish") return messageErrors(step, step.kind);
+  if (step.kind === "notify")
+    return step.text.trim() === ""
+      ? [{ path: "notify.text", detail: "Write a sentence.", missing: true }]
+      : [];
   if (step.kind !== "action") return [];
   if (step.action === "") return [{ path: "action.name", detail: "Choose an action.", missing: true }];
   if (step.goal === null) return [];
@@ -182,6 +235,50 @@ function ownErrors(step: StepDraft, now: number): Wrong[] {
 }
 
 const GOAL = "action.goal";
+
+/** In metres. */
+const FARTHEST = 1e6;
+
+function placeErrors({ place, places }: StepDraft): Wrong[] {
+  if (places !== null) return [];
+  const wrong = (["x", "y"] as const).flatMap((axis): Wrong[] =>
+    place[axis] === ""
+      ? [{ path: `navigate.pose.${axis}`, detail: "A number of metres", missing: true }]
+      : isWithin(place[axis], -FARTHEST, FARTHEST)
+        ? []
+        : [{ path: `navigate.pose.${axis}`, detail: "A number of metres" }],
+  );
+  const turned: Wrong[] = isWithin(place.heading, -360, 360)
+    ? []
+    : [{ path: "navigate.pose.yaw", detail: "From -360° to 360°" }];
+  const frame: Wrong[] =
+    place.frame.trim() === "" ? [{ path: "navigate.pose.frame", detail: "The name of a frame" }] : [];
+  return [...wrong, ...turned, ...frame];
+}
+
+/** The field of the name of a call or a message, and that of what is sent there. */
+export const MESSAGE = {
+  call: { name: "call.service", content: "call.request" },
+  publish: { name: "publish.topic", content: "publish.message" },
+} as const;
+
+function messageErrors({ target, content }: StepDraft, kind: keyof typeof MESSAGE): Wrong[] {
+  const { name, content: path } = MESSAGE[kind];
+  const errors: Wrong[] = [];
+  if (target.trim() === "") errors.push({ path: name, detail: "Enter a name.", missing: true });
+  else if (!target.trim().startsWith("/")) errors.push({ path: name, detail: "A name that begins with /" });
+  if (!isObject(content)) errors.push({ path, detail: 'JSON, such as {"data": true}' });
+  return errors;
+}
+
+function isObject(text: string): boolean {
+  try {
+    const value: unknown = JSON.parse(text);
+    return typeof value === "object" && value !== null && !Array.isArray(value);
+  } catch {
+    return false;
+  }
+}
 
 function waitErrors({ wait, seconds, day, clock, charge }: StepDraft, now: number): Wrong[] {
   if (wait === "seconds" && !isWithin(seconds, 0, MAX_WAIT_S))
@@ -269,10 +366,32 @@ function whatText(step: StepDraft): string {
       step.goal === null ? JSON.stringify(step.message) : outgoing(step.goal.draft, step.goal.shape).body;
     return `{"name":${JSON.stringify(step.action)},"goal":${goal ?? "{}"}}`;
   }
-  if (step.kind === "wait") return JSON.stringify(waitBody(step));
+  switch (step.kind) {
+    case "wait":
+      return JSON.stringify(waitBody(step));
+    case "navigate":
+      return JSON.stringify(navigateBody(step));
+    case "notify":
+      return JSON.stringify({ text: step.text.trim(), critical: step.critical });
+    case "call":
+      return `${messageHead("service", step)},"request":${step.content}}`;
+    case "publish":
+      return `${messageHead("topic", step)},"message":${step.content}}`;
+  }
   return JSON.stringify(
     step.dock === "" || step.kind === "undock" ? step.request : { ...step.request, dock_id: step.dock },
   );
+}
+
+function messageHead(name: string, { target, type }: StepDraft): string {
+  return JSON.stringify({ [name]: target.trim(), type: type.trim() || null }).slice(0, -1);
+}
+
+function navigateBody({ place, places }: StepDraft) {
+  if (places !== null) return { poses: places };
+  const { x, y, heading, frame } = place;
+  const yaw = (Number(heading) * Math.PI) / 180;
+  return { pose: { x: Number(x), y: Number(y), yaw, frame: frame.trim() } };
 }
 
 function waitBody({ wait, seconds, day, clock, charge }: StepDraft) {

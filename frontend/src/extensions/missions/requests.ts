@@ -5,6 +5,7 @@ type Schemas = components["schemas"];
 /** What a robot does, one step after the other. */
 export type Mission = Schemas["Mission"];
 export type MissionStep = Schemas["MissionStep"];
+export type Waypoint = Schemas["Waypoint"];
 export type MissionStatus = Schemas["MissionStatus"];
 export type Reason = Schemas["Reason"];
 export type MissionList = Schemas["MissionList"];

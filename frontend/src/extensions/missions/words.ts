@@ -34,6 +34,7 @@ const ERRORS: Record<string, string> = {
   goal_not_found: "The history no longer has its goal",
   goal_canceled: "The goal was canceled",
   invalid_field: "The action does not accept this goal",
+  step_interrupted: "The gateway ended during this step: nobody knows whether it was carried out",
 };
 
 /** What the gateway says of an error besides the words for it; null where that is the same. */
@@ -46,22 +47,37 @@ export function errorWords({ code }: Reason): string {
   return ERRORS[code] ?? codeWords(code);
 }
 
-type StepFields = Pick<MissionStep, "dock" | "undock" | "action" | "wait">;
+type StepFields = Pick<
+  MissionStep,
+  "dock" | "undock" | "action" | "navigate" | "call" | "publish" | "notify" | "wait"
+>;
 
 /** `Dock at lab`, `Undock`, `Fibonacci`, `Wait 1 min 00 s` */
-export function stepWords({ dock, undock, action, wait }: StepFields): string {
+export function stepWords(step: StepFields): string {
+  const { dock, undock, action, navigate, call, publish, notify, wait } = step;
   if (dock !== null) {
     const { dock_id } = dock;
     return typeof dock_id === "string" && dock_id !== "" ? `Dock at ${dock_id}` : "Dock";
   }
   if (undock !== null) return "Undock";
   if (action !== null) return actionWords(action.name);
+  if (navigate !== null) return navigateWords(navigate);
+  if (call !== null) return `Call ${call.service}`;
+  if (publish !== null) return `Publish on ${publish.topic}`;
+  if (notify !== null) return `Tell people: ${notify.text}`;
   return wait === null ? "" : waitWords(wait);
 }
 
 /** `Navigate to pose` */
 export function actionWords(name: string): string {
   return sentence(name.slice(name.lastIndexOf("/") + 1).replaceAll("_", " "));
+}
+
+/** `Drive to x 1.2 m, y 3.4 m`, `Drive through 3 places` */
+function navigateWords({ pose, poses }: NonNullable<MissionStep["navigate"]>): string {
+  if (pose === null) return `Drive through ${poses?.length ?? 0} places`;
+  const { x, y, frame } = pose;
+  return `Drive to x ${x} m, y ${y} m${frame === "map" ? "" : ` in ${frame}`}`;
 }
 
 function waitWords({ seconds, until, battery }: NonNullable<MissionStep["wait"]>): string {
@@ -101,7 +117,7 @@ const HOLDS: Record<NonNullable<Mission["held_for"]>, Hold> = {
   canceled: { title: "The goal of this step was canceled", words: "Continue begins the step again." },
   lost: {
     title: "Lost contact during this step",
-    words: "Check where the robot is and what it does. Continue begins the step again.",
+    words: "Check where the robot is and what it has done. Continue begins the step again.",
   },
   person: { title: "Waiting for a person", words: "Check the robot, then press Continue." },
   paused: { title: "Paused", words: "Continue goes on with this step." },
@@ -123,6 +139,7 @@ const WAITS: Record<NonNullable<Mission["waits_for"]>, string> = {
   time: "Waiting",
   battery: "Waiting for the battery",
   goal: "The goal is running",
+  answer: "Waiting for the answer of the service",
   server: "No action server for this step. It begins as soon as there is one.",
   lost_goal: "Lost contact with the action server. Waiting for it to come back.",
   history: "The history does not answer. Nothing begins without it.",

@@ -19,6 +19,7 @@ import {
   missionErrors,
   newMission,
   newStep,
+  type StepKind,
   stepErrors,
   withGoal,
   withMoved,
@@ -46,6 +47,10 @@ const DOCK: MissionStep = {
   dock: {},
   undock: null,
   action: null,
+  navigate: null,
+  call: null,
+  publish: null,
+  notify: null,
   wait: null,
   timeout_s: null,
   tries: 1,
@@ -60,6 +65,19 @@ const DOCK: MissionStep = {
 const WAIT = { seconds: null, until: null, battery: null, person: false };
 const CHARGE: MissionStep = { ...DOCK, dock: null, wait: { ...WAIT, battery: 0.8 } };
 const COUNT: MissionStep = { ...DOCK, dock: null, action: { name: "/fibonacci", goal: { order: 5 } } };
+const PLACE = { x: 1.5, y: -2, yaw: Math.PI / 2, frame: "map" };
+const DRIVE: MissionStep = { ...DOCK, dock: null, navigate: { pose: PLACE, poses: null } };
+const CALL: MissionStep = {
+  ...DOCK,
+  dock: null,
+  call: { service: "/reset", request: { data: true }, type: null },
+};
+const PUBLISH: MissionStep = {
+  ...DOCK,
+  dock: null,
+  publish: { topic: "/light", message: {}, type: "std_msgs/msg/Bool" },
+};
+const NOTIFY: MissionStep = { ...DOCK, dock: null, notify: { text: "Load me", critical: true } };
 const NIGHT: Mission = {
   mission_id: "a",
   robot: "/robot1",
@@ -132,6 +150,16 @@ describe("the words", () => {
     expect(spaces(stepWords(CHARGE))).toBe("Wait until the battery has 80 %");
     expect(stepWords({ ...CHARGE, wait: { ...WAIT, seconds: 90 } })).toBe("Wait 1 min 30 s");
     expect(stepWords({ ...CHARGE, wait: { ...WAIT, person: true } })).toBe("Wait until someone continues");
+    expect([DRIVE, CALL, PUBLISH, NOTIFY].map(stepWords)).toEqual([
+      "Drive to x 1.5 m, y -2 m",
+      "Call /reset",
+      "Publish on /light",
+      "Tell people: Load me",
+    ]);
+    const through: MissionStep = { ...DRIVE, navigate: { pose: null, poses: [PLACE, PLACE] } };
+    expect(stepWords(through)).toBe("Drive through 2 places");
+    const hall: MissionStep = { ...DRIVE, navigate: { pose: { ...PLACE, frame: "hall" }, poses: null } };
+    expect(stepWords(hall)).toBe("Drive to x 1.5 m, y -2 m in hall");
     expect(missionName(NIGHT)).toBe("Night");
     expect(missionName({ name: null, steps: [DOCK, COUNT, DOCK, DOCK] })).toBe("Dock, Fibonacci, Dock, …");
   });
@@ -189,6 +217,32 @@ describe("a draft", () => {
         { action: { name: "/fibonacci", goal: { order: 5 } }, tries: 1, on_failure: "end" },
       ],
     });
+  });
+
+  it("keeps places, calls, messages and notices", () => {
+    const through: MissionStep = { ...DRIVE, navigate: { pose: null, poses: [PLACE] } };
+    const draft = draftOf({ ...NIGHT, steps: [DRIVE, through, CALL, PUBLISH, NOTIFY] }, NOW);
+    expect(isReady(draft, NOW)).toBe(true);
+    const { steps } = JSON.parse(bodyOf(draft, null));
+    expect(steps[0].navigate.pose).toEqual({ ...PLACE, yaw: expect.closeTo(Math.PI / 2, 6) });
+    expect(steps[1].navigate).toEqual({ poses: [PLACE] });
+    expect(steps[2].call).toEqual(CALL.call);
+    expect(steps[3].publish).toEqual(PUBLISH.publish);
+    expect(steps[4].notify).toEqual(NOTIFY.notify);
+  });
+
+  it("says what is wrong with places, calls, messages and notices", () => {
+    const wrong = (kind: StepKind, change: object = {}) =>
+      stepErrors(newStep(kind, NOW, change), NOW).map(({ path }) => path);
+    expect(wrong("navigate")).toEqual(["navigate.pose.x", "navigate.pose.y"]);
+    const place = { x: 1, y: 2e6, heading: 400, frame: " " };
+    expect(wrong("navigate", { place })).toEqual(
+      ["y", "yaw", "frame"].map((name) => `navigate.pose.${name}`),
+    );
+    expect(wrong("call")).toEqual(["call.service"]);
+    expect(wrong("call", { target: "reset", content: "[1]" })).toEqual(["call.service", "call.request"]);
+    expect(wrong("publish", { target: "/light", content: "{" })).toEqual(["publish.message"]);
+    expect(wrong("notify", { text: " " })).toEqual(["notify.text"]);
   });
 
   it("says what is wrong with it", () => {
@@ -272,6 +326,22 @@ describe("the page", () => {
     expect(screen.getByText("no battery here")).toBeDefined();
     await user.click(screen.getByRole("button", { name: "Add step: Action" }));
     expect(screen.queryByText("Choose an action.")).toBeDefined();
+  });
+
+  it("puts a call and a notice together", async () => {
+    const asked = answering([]);
+    const { user } = open("/ui/missions/new");
+    await user.click(await screen.findByRole("button", { name: "Add step: Call" }));
+    expect(screen.queryByRole("button", { name: "Add step: Drive" })).toBeNull(); // no nav2 here
+    await user.type(screen.getByRole("textbox", { name: "Service" }), "/reset");
+    await user.click(screen.getByRole("button", { name: "Add step: Tell people" }));
+    await user.type(screen.getByRole("textbox", { name: "Text" }), "Load me");
+    await user.click(screen.getByRole("checkbox", { name: /Critical/ }));
+    await user.click(screen.getByRole("button", { name: "Start mission" }));
+    await waitFor(() => expect(asked).toHaveLength(1));
+    const [call, notify] = JSON.parse(asked[0]?.body ?? "").steps;
+    expect(call.call).toEqual({ service: "/reset", type: null, request: {} });
+    expect(notify.notify).toEqual({ text: "Load me", critical: true });
   });
 
   it("shows a viewer no buttons", async () => {

@@ -15,6 +15,7 @@ from tests.support.gateway import (
     running_dock_server,
     running_gateway,
     running_program,
+    running_service_node,
 )
 from tests.support.waiting import PATIENCE, wait_until
 
@@ -191,6 +192,37 @@ def test_two_gateways_on_one_database_carry_out_a_mission_once(domain: int, tmp_
         until(first, change_at_other, "held")
         change(first, change_at_other, "continue")
         until(second, change_at_other, "succeeded")
+
+
+MESSAGES = {"allow_services": "/robot1/*", "allow_publish": "/robot1/light", "server_wait": "0.5"}
+
+
+def test_services_are_called_messages_published_and_people_told(domain: int, tmp_path: Path) -> None:
+    kept = {"database_url": f"sqlite:///{tmp_path}/history.db", "spool_path": f"{tmp_path}/spool"}
+    echo: dict[str, Any] = {"call": {"service": "/robot1/echo", "request": {"data": True}}}
+    light: dict[str, Any] = {"publish": {"topic": "/robot1/light", "type": "std_msgs/msg/Bool"}}
+    never: dict[str, Any] = {"call": {"service": "/robot1/never"}, "timeout_s": 60.0}
+    with running_service_node(domain):
+        with running_gateway(domain, **MESSAGES, **kept) as gateway:
+            wait_until(lambda: gateway.http.get("/services/robot1/never").status_code == 200, "the service")
+            wrong = gateway.http.post("/missions", json={"steps": [light, echo | {"call": {"service": "/other"}}]})
+            assert (wrong.status_code, wrong.json()["code"]) == (403, "not_allowed")
+            first = post(
+                gateway, echo, light, {"notify": {"text": "Load me"}}, {"wait": {"person": True}}, name="Night"
+            )
+            found = until(gateway, first, "held", held_for="person")
+            assert [step["status"] for step in found["steps"][:3]] == 3 * ["succeeded"]
+            alerts = lambda: [each["detail"] for each in gateway.http.get("/alerts").json()["alerts"]]  # noqa: E731
+            wait_until(lambda: "Load me" in alerts(), "the alert")
+            change(gateway, first, "cancel")
+            second = post(gateway, never)
+            until(gateway, second, "running")
+            time.sleep(0.3)
+            gateway.process.send_signal(signal.SIGKILL)
+            gateway.process.wait()
+        with running_gateway(domain, **MESSAGES, **kept) as gateway:
+            until(gateway, second, "running", waits_for="answer")
+            change(gateway, second, "cancel")
 
 
 def test_automatic_docking_waits_for_a_mission(domain: int) -> None:

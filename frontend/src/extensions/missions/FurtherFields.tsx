@@ -1,0 +1,117 @@
+import { Checkbox, NumberInput, Text, Textarea, TextInput } from "@mantine/core";
+import { errorAt, MAX_NOTICE, MESSAGE, type StepDraft } from "./draft";
+import classes from "./missions.module.css";
+import { type FieldsProps, Refused } from "./StepFields";
+
+/** Where to drive. Several places are kept as they were sent. */
+export function PlaceFields({ step, errors, set }: FieldsProps) {
+  const { place, places } = step;
+  if (places !== null)
+    return (
+      <>
+        <Text size="sm" c="dimmed">
+          Through these places: {places.map(({ x, y }) => `x ${x} m, y ${y} m`).join("; ")}.
+        </Text>
+        <Refused errors={errors} where="navigate" />
+      </>
+    );
+  const change = (part: Partial<StepDraft["place"]>) => set({ place: { ...place, ...part } }, "navigate");
+  return (
+    <>
+      <div className={classes.fields}>
+        <NumberInput
+          label="X"
+          suffix=" m"
+          value={place.x}
+          error={errorAt(errors, "navigate.pose.x")}
+          onChange={(x) => change({ x })}
+        />
+        <NumberInput
+          label="Y"
+          suffix=" m"
+          value={place.y}
+          error={errorAt(errors, "navigate.pose.y")}
+          onChange={(y) => change({ y })}
+        />
+        <NumberInput
+          label="Heading"
+          suffix="°"
+          value={place.heading}
+          error={errorAt(errors, "navigate.pose.yaw")}
+          onChange={(heading) => change({ heading })}
+        />
+        <TextInput
+          label="Frame"
+          value={place.frame}
+          error={errorAt(errors, "navigate.pose.frame")}
+          onChange={(event) => change({ frame: event.currentTarget.value })}
+        />
+      </div>
+      <Refused errors={errors.filter(({ path }) => !path.startsWith("navigate.pose."))} where="navigate" />
+    </>
+  );
+}
+
+const WORDS = {
+  call: { name: "Service", placeholder: "/reset", content: "Request" },
+  publish: { name: "Topic", placeholder: "/light", content: "Message" },
+};
+
+/** A service with its request, or a topic with its message. */
+export function MessageFields({ step, kind, errors, set }: FieldsProps & { kind: keyof typeof MESSAGE }) {
+  const words = WORDS[kind];
+  const { name, content } = MESSAGE[kind];
+  return (
+    <>
+      <div className={classes.fields}>
+        <TextInput
+          label={words.name}
+          placeholder={words.placeholder}
+          value={step.target}
+          error={errorAt(errors, name)}
+          onChange={(event) => set({ target: event.currentTarget.value }, kind)}
+        />
+        <TextInput
+          label="Type"
+          description="Only if it is not known."
+          value={step.type}
+          error={errorAt(errors, `${kind}.type`)}
+          onChange={(event) => set({ type: event.currentTarget.value }, kind)}
+        />
+      </div>
+      <Textarea
+        label={words.content}
+        description="JSON. Fields that are left out have their defaults."
+        rows={3}
+        resize="vertical"
+        spellCheck={false}
+        classNames={{ input: classes.code ?? "" }}
+        value={step.content}
+        error={errorAt(errors, content)}
+        onChange={(event) => set({ content: event.currentTarget.value }, content)}
+      />
+    </>
+  );
+}
+
+/** A sentence for people. */
+export function NotifyFields({ step, errors, set }: FieldsProps) {
+  return (
+    <>
+      <TextInput
+        label="Text"
+        description="Shown as an alert of the robot, and sent to webhooks."
+        placeholder="Load me"
+        maxLength={MAX_NOTICE}
+        value={step.text}
+        error={errorAt(errors, "notify.text")}
+        onChange={(event) => set({ text: event.currentTarget.value }, "notify.text")}
+      />
+      <Checkbox
+        label="Critical: someone has to act"
+        checked={step.critical}
+        onChange={(event) => set({ critical: event.currentTarget.checked }, "notify.critical")}
+      />
+    </>
+  );
+}
