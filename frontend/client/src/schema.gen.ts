@@ -2152,7 +2152,7 @@ export interface components {
          * @description The kinds of alerts.
          * @enum {string}
          */
-        AlertKind: "stop_latched" | "goal_lost" | "discharging_on_dock" | "low_battery" | "battery_implausible" | "battery_stale" | "history_lost" | "extension_failed" | "duplicate_action_server" | "split_robot" | "site_unreachable" | "site_refused" | "wrong_topic_type" | "duplicate_base" | "robot_seen_twice" | "robots_claimed_twice" | "commands_lost" | "recordings_failed" | "automatic_docking_failed";
+        AlertKind: "stop_latched" | "goal_lost" | "discharging_on_dock" | "low_battery" | "battery_implausible" | "battery_stale" | "history_lost" | "extension_failed" | "duplicate_action_server" | "split_robot" | "site_unreachable" | "site_refused" | "wrong_topic_type" | "duplicate_base" | "robot_seen_twice" | "robots_claimed_twice" | "commands_lost" | "recordings_failed" | "automatic_docking_failed" | "mission_notice";
         /**
          * AlertList
          * @description The active alerts: critical ones first, then oldest first.
@@ -2597,6 +2597,25 @@ export interface components {
             available: boolean;
             /** Service */
             service: string;
+        };
+        /**
+         * CallStep
+         * @description A call of a service that `allow_services` names. Its response is not kept.
+         *
+         *     `request` has the fields of the message; those left out have their defaults. `type` is needed if it has several.
+         */
+        CallStep: {
+            /** Service */
+            service: string;
+            /** Request */
+            request: {
+                [key: string]: unknown;
+            };
+            /**
+             * Type
+             * @default null
+             */
+            type: string | null;
         };
         /**
          * CameraInfo
@@ -3718,8 +3737,8 @@ export interface components {
          * @description Why a mission does not go on until a person continues it.
          *
          *     `stop`: the robot was stopped. `canceled`: the goal of its step was canceled, and not by the mission. `lost`:
-         *     contact was lost during that goal, and it takes too long. `person`: its step waits for a person. `paused`: it was
-         *     paused.
+         *     nobody knows what the robot did: contact was lost during that goal, and it takes too long, or the gateway ended
+         *     during a call or a message. `person`: its step waits for a person. `paused`: it was paused.
          * @enum {string}
          */
         HoldReason: "stop" | "canceled" | "lost" | "person" | "paused";
@@ -4054,6 +4073,14 @@ export interface components {
             /** @default null */
             action: components["schemas"]["ActionStep"] | null;
             /** @default null */
+            navigate: components["schemas"]["NavigateStep"] | null;
+            /** @default null */
+            call: components["schemas"]["CallStep"] | null;
+            /** @default null */
+            publish: components["schemas"]["PublishStep"] | null;
+            /** @default null */
+            notify: components["schemas"]["NotifyStep"] | null;
+            /** @default null */
             wait: components["schemas"]["WaitStep"] | null;
             /**
              * Timeout S
@@ -4077,6 +4104,19 @@ export interface components {
             /** Finished At */
             finished_at: string | null;
             error: components["schemas"]["Reason"] | null;
+        };
+        /**
+         * NavigateStep
+         * @description Where nav2 drives the robot: to a `pose`, or through `poses` to the last one.
+         */
+        NavigateStep: {
+            /** @default null */
+            pose: components["schemas"]["Waypoint"] | null;
+            /**
+             * Poses
+             * @default null
+             */
+            poses: components["schemas"]["Waypoint"][] | null;
         };
         /**
          * NodeParameters
@@ -4142,6 +4182,19 @@ export interface components {
             display_name: string | null;
             /** Groups */
             groups: string[];
+        };
+        /**
+         * NotifyStep
+         * @description A sentence for people: an alert of the robot, which webhooks get, too. A `critical` one needs somebody to act.
+         */
+        NotifyStep: {
+            /** Text */
+            text: string;
+            /**
+             * Critical
+             * @default false
+             */
+            critical: boolean;
         };
         /**
          * ParameterChange
@@ -4458,6 +4511,25 @@ export interface components {
             state?: components["schemas"]["BatteryStateInput"];
             /** Rate Hz */
             rate_hz?: number;
+        };
+        /**
+         * PublishStep
+         * @description One message on a topic that `allow_publish` names.
+         *
+         *     `message` has its fields; those left out have their defaults. `type` is needed if no one is on the topic.
+         */
+        PublishStep: {
+            /** Topic */
+            topic: string;
+            /** Message */
+            message: {
+                [key: string]: unknown;
+            };
+            /**
+             * Type
+             * @default null
+             */
+            type: string | null;
         };
         /**
          * Published
@@ -6005,10 +6077,30 @@ export interface components {
         };
         /**
          * WaitsFor
-         * @description What a mission waits for that has not ended, besides the goal of its step.
+         * @description What a mission waits for that has not ended.
          * @enum {string}
          */
-        WaitsFor: "turn" | "continue" | "stop_released" | "other_goal" | "retry" | "time" | "battery" | "goal" | "server" | "lost_goal" | "history";
+        WaitsFor: "turn" | "continue" | "stop_released" | "other_goal" | "retry" | "time" | "battery" | "goal" | "server" | "answer" | "lost_goal" | "history";
+        /**
+         * Waypoint
+         * @description Where to drive, in metres in a frame, and how to stand there: `yaw`, in radians.
+         */
+        Waypoint: {
+            /** X */
+            x: number;
+            /** Y */
+            y: number;
+            /**
+             * Yaw
+             * @default 0
+             */
+            yaw: number;
+            /**
+             * Frame
+             * @default map
+             */
+            frame: string;
+        };
         /**
          * Webhook
          * @description An address that receives alerts. `pending` counts the deliveries that are still to be sent.
@@ -8834,6 +8926,43 @@ export interface operations {
                             goal?: {
                                 [key: string]: unknown;
                             };
+                        } | null;
+                        navigate?: {
+                            pose?: {
+                                x: number;
+                                y: number;
+                                /** @default 0 */
+                                yaw?: number;
+                                /** @default map */
+                                frame?: string;
+                            } | null;
+                            poses?: {
+                                x: number;
+                                y: number;
+                                /** @default 0 */
+                                yaw?: number;
+                                /** @default map */
+                                frame?: string;
+                            }[] | null;
+                        } | null;
+                        call?: {
+                            service: string;
+                            request?: {
+                                [key: string]: unknown;
+                            };
+                            type?: string | null;
+                        } | null;
+                        publish?: {
+                            topic: string;
+                            message?: {
+                                [key: string]: unknown;
+                            };
+                            type?: string | null;
+                        } | null;
+                        notify?: {
+                            text: string;
+                            /** @default false */
+                            critical?: boolean;
                         } | null;
                         wait?: {
                             seconds?: number | null;
