@@ -47,7 +47,6 @@ NO_BATTERY: Document = {
     "state": None,
     "percentage": None,
     "implausible": [],
-    "age_s": None,
     "stale": True,
     "stale_after_s": 0.0,
     "low_below": 0.0,

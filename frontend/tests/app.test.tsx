@@ -6,6 +6,7 @@ import type { UserEvent } from "@testing-library/user-event";
 import { afterEach, describe, expect, it, vi } from "vitest";
 import {
   battery,
+  batteryDocument,
   batteryEvent,
   feedback,
   goal,
@@ -224,7 +225,7 @@ describe("goals of other actions", () => {
 
 function hearBattery(store: ReturnType<typeof renderPage>["store"]) {
   const time = new Date().toISOString();
-  act(() => store.onEvent({ type: "battery", id: "b", time, robot: "/", battery } as never));
+  act(() => store.onEvent({ ...batteryEvent(), time, battery: batteryDocument(battery, { received_at: time }) }));
 }
 
 describe("battery", () => {
@@ -240,7 +241,6 @@ describe("battery", () => {
         state: { ...battery, current: -1.5 },
         percentage: 0.24,
         implausible: [],
-        age_s: 9,
         stale: true,
         stale_after_s: 4.5,
         low_below: 0.2,
@@ -257,7 +257,8 @@ describe("battery", () => {
   it("says what of it cannot be right, and does not use it", async () => {
     const { store } = renderPage(fakeGateway(), {}, "/ui/robot");
     const implausible = [{ field: "percentage", value: 12, expected: "0 to 1" }];
-    act(() => store.onEvent({ ...batteryEvent({ percentage: 12 }), percentage: null, implausible }));
+    const sent = batteryDocument({ ...battery, percentage: 12 }, { percentage: null, implausible });
+    act(() => store.onEvent({ ...batteryEvent(), battery: sent }));
     expect(await screen.findByText(/percentage is 12, but should be 0 to 1/)).toBeDefined();
     const card = screen.getByRole("region", { name: "Battery" });
     expect(card.textContent).not.toMatch(/%/);
@@ -270,7 +271,6 @@ describe("battery", () => {
       state: battery,
       percentage: 0.24,
       implausible: [],
-      age_s: 9,
       stale: true,
       stale_after_s: 4.5,
       low_below: 0.2,
@@ -296,7 +296,6 @@ describe("battery", () => {
       state: measured,
       percentage: 0.24,
       implausible: [],
-      age_s: 0,
       stale: false,
       stale_after_s: 5,
       low_below: 0.2,
@@ -315,7 +314,6 @@ describe("battery", () => {
         state: battery,
         percentage: 0.24,
         implausible: [],
-        age_s: 9,
         stale: false,
         stale_after_s: 30,
         low_below: 0.2,

@@ -15,7 +15,7 @@ import {
   summarize,
 } from "../src/battery/words";
 import { BatterySeries, believed, noPoints, WINDOW_S } from "../src/store/batterySeries";
-import { at, battery } from "./events";
+import { at, battery, batteryDocument } from "./events";
 
 const [low, charging] = PRESETS;
 
@@ -264,15 +264,16 @@ describe("the plots' scales", () => {
     };
     const fields = ["percentage", "voltage", "cell_voltage.1", "power_supply_status", "header.stamp"];
     const implausible = fields.map((field) => ({ field, value: -1, expected: "another value" }));
-    expect(believed({ state, percentage: null, implausible })).toEqual({
+    expect(believed(batteryDocument(state, { percentage: null, implausible }))).toEqual({
       ...state,
       percentage: null,
       voltage: null,
       cell_voltage: [3.7, null],
       power_supply_status: 0,
     });
-    expect(believed({ state: battery, percentage: 0.12 })).toEqual({ ...battery, percentage: 0.12 });
-    expect(believed({ state: battery })).toEqual(battery); // as older gateways stored it
+    const sent = batteryDocument({ ...battery, percentage: 12 }, { percentage: 0.12 });
+    expect(believed(sent)).toEqual({ ...battery, percentage: 0.12 });
+    expect(believed(batteryDocument(null))).toBeNull();
     expect(formatPercentage(12)).toBe("implausible (12)");
     expect(formatPercentage(-0.01)).toBe("implausible (-0.01)");
     expect([formatPercentage(1.02), formatPercentage(-0.0001)]).toEqual(["100 %", "0 %"]);

@@ -2,6 +2,7 @@ import type {
   ActionInfo,
   ActionServer,
   Alert,
+  Battery,
   BatteryState,
   EventOf,
   LiveGoal,
@@ -93,6 +94,20 @@ export function undockGoal(id: string, change: Partial<LiveGoal> = {}): LiveGoal
   return goal(id, { action_name: undockServer.action_name, action_type, verb: "undock", ...change });
 }
 
+/** A battery with a state, which is believed. */
+export function batteryDocument(state: BatteryState | null, change: Partial<Battery> = {}): Battery {
+  return {
+    state,
+    percentage: state?.percentage ?? null,
+    implausible: [],
+    received_at: state === null ? null : at(0),
+    stale: false,
+    stale_after_s: 2,
+    low_below: 0.2,
+    ...change,
+  };
+}
+
 export function robot(name: string, change: Partial<Robot> = {}): Robot {
   const action = (verb: string): ActionServer => ({
     action_name: `${name === "/" ? "" : name}/${verb}`,
@@ -109,15 +124,7 @@ export function robot(name: string, change: Partial<Robot> = {}): Robot {
     docked: false,
     simulated: false,
     charging: null,
-    battery: {
-      state: battery,
-      percentage: battery.percentage,
-      implausible: [],
-      received_at: new Date().toISOString(),
-      stale: false,
-      stale_after_s: 2,
-      low_below: 0.2,
-    },
+    battery: batteryDocument(battery, { received_at: new Date().toISOString() }),
     battery_topic: `${name === "/" ? "" : name}/battery_status`,
     battery_publisher: { active: false, rate_hz: null },
     stop: released,
@@ -192,16 +199,7 @@ export function snapshot(change: Partial<EventOf<"snapshot">> = {}): EventOf<"sn
     id: "00000000000000000000-s-none",
     time: at(0),
     goals: [],
-    battery: {
-      state: null,
-      percentage: null,
-      implausible: [],
-      age_s: null,
-      stale: false,
-      stale_after_s: 2,
-      low_below: 0.2,
-      received_at: null,
-    },
+    battery: batteryDocument(null),
     battery_publisher: idlePublisher,
     docking: { dock: server, undock: undockServer },
     stop: released,
@@ -250,9 +248,7 @@ export function batteryEvent(change: Partial<BatteryState> = {}, seconds = 1): E
     id: nextId(),
     time: at(seconds),
     robot: "/",
-    battery: { ...battery, ...change },
-    percentage: { ...battery, ...change }.percentage,
-    implausible: [],
+    battery: batteryDocument({ ...battery, ...change }, { received_at: at(seconds) }),
   };
 }
 

@@ -45,7 +45,6 @@ describe("snapshot", () => {
           state: battery,
           percentage: 0.24,
           implausible: [],
-          age_s: 1,
           stale: false,
           stale_after_s: 5,
           low_below: 0.2,

@@ -43,9 +43,9 @@ def robot(gateway: RunningGateway, name: str = "/") -> dict[str, Any]:
 def test_a_percentage_that_cannot_be_right_is_named_and_not_used(gateway: RunningGateway, observer: Observer) -> None:
     state = BatteryState(voltage=12.0, percentage=math.inf, power_supply_status=2)
     with gateway.stream("?include=battery") as stream, observer.publishing(state, "/battery_status"):
-        event = stream.until(lambda event: event["type"] == "battery")
+        sent = stream.until_type("battery")["battery"]
         wrong = [{"field": "percentage", "value": "inf", "expected": "0 to 1"}]
-        assert (event["battery"]["percentage"], event["percentage"], event["implausible"]) == (None, None, wrong)
+        assert (sent["state"]["percentage"], sent["percentage"], sent["implausible"]) == (None, None, wrong)
         answer = battery(gateway)
         assert (answer["state"]["percentage"], answer["percentage"], answer["implausible"]) == (None, None, wrong)
         assert robot(gateway)["battery"]["percentage"] is None

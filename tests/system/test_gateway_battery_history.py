@@ -17,7 +17,7 @@ def test_what_was_published_is_there_at_once(gateway: RunningGateway) -> None:
         for _ in range(20):
             low = stream.until_type("battery")
         gateway.publish({**CHARGING, "voltage": 4.5}, rate_hz=50.0)
-        high = stream.until(lambda e: e["type"] == "battery" and e["battery"]["power_supply_status"] == 1)
+        high = stream.until(lambda e: e["type"] == "battery" and e["battery"]["state"]["power_supply_status"] == 1)
         gateway.http.delete("/battery/publisher")
     first = next(event for event in stream.seen if event["type"] == "battery")["time"]
     by_default = gateway.http.get("/battery/history").raise_for_status().json()

@@ -38,7 +38,7 @@ def test_the_tutorial_over_http(gateway: RunningGateway) -> None:
     gateway.publish(LOW, rate_hz=1.0)
     with gateway.stream("?include=battery,cmd_vel,system") as stream:
         assert stream.next()["type"] == "snapshot"
-        stream.until(lambda e: e["type"] == "battery" and e["battery"]["power_supply_status"] == 3)
+        stream.until(lambda e: e["type"] == "battery" and e["battery"]["state"]["power_supply_status"] == 3)
         response = gateway.http.post("/dock", json={"desired_battery_state": CHARGING})
         assert response.status_code == 202
         goal = response.json()
@@ -190,15 +190,17 @@ def test_battery_states_are_published_once_and_repeatedly(gateway: RunningGatewa
         assert published["percentage"] == 0.5
         assert published["voltage"] is None
         heard = stream.until_type("battery")["battery"]
-        assert heard == published
-        battery = gateway.http.get("/battery").json()
-        assert battery["state"] == published
-        assert battery["stale"] is False
+        assert (heard["state"], heard["percentage"], heard["stale"]) == (published, 0.5, False)
+        answer = gateway.http.get("/battery").json()
+        assert answer == heard | {"age_s": answer["age_s"], "other_topics": []}
+        assert gateway.http.get("/robots?robot=/").json()["robots"][0]["battery"] == heard
+        with gateway.stream("?include=battery") as other:
+            assert other.next()["battery"] == heard
 
         answer = gateway.http.put("/battery/publisher", json={"state": LOW, "rate_hz": 20}).json()
         assert (answer["active"], answer["rate_hz"]) == (True, 20.0)
         for _ in range(5):
-            assert stream.until_type("battery")["battery"]["power_supply_status"] == 3
+            assert stream.until_type("battery")["battery"]["state"]["power_supply_status"] == 3
         wait_until(lambda: gateway.http.get("/battery/publisher").json()["published_count"] >= 5, "five messages")
         assert gateway.http.delete("/battery/publisher").status_code == 204
         assert gateway.http.delete("/battery/publisher").status_code == 204

@@ -48,7 +48,9 @@ def place(gateway: RunningGateway, x: float, y: float, theta: float) -> None:
     with gateway.stream("?include=battery") as stream:
         gateway.http.post("/simulator/place", json={"x": x, "y": y, "theta": theta}).raise_for_status()
         for _ in range(3):
-            stream.until(lambda e: e["type"] == "battery" and e["battery"]["power_supply_status"] in NOT_CHARGING)
+            stream.until(
+                lambda e: e["type"] == "battery" and e["battery"]["state"]["power_supply_status"] in NOT_CHARGING
+            )
 
 
 def do(gateway: RunningGateway, verb: str) -> dict[str, Any]:
@@ -83,7 +85,7 @@ def test_undocking(gateway: RunningGateway) -> None:
     with gateway.stream("?include=battery,system,scene") as stream:
         gateway.http.post("/simulator/place", json={"x": -0.2, "y": 0.0, "theta": 0.0}).raise_for_status()
         stream.until(lambda e: e["type"] == "simulator" and e["simulator"]["docked"])
-        stream.until(lambda e: e["type"] == "battery" and e["battery"]["power_supply_status"] == CHARGING)
+        stream.until(lambda e: e["type"] == "battery" and e["battery"]["state"]["power_supply_status"] == CHARGING)
         goal = do(gateway, "undock")
         assert (goal["action_name"], goal["verb"]) == ("/disconnect_from_charging_dock", "undock")
         assert goal["status"] == "succeeded"

@@ -47,7 +47,9 @@ def dock_from_a_random_start(gateway: RunningGateway, robot: str) -> tuple[objec
     with gateway.stream(f"?include=battery&robot={robot}") as stream:
         gateway.http.post("/simulator/place", params=at, json=pose).raise_for_status()
         for _ in range(3):  # the battery knows it
-            stream.until(lambda e: e["type"] == "battery" and e["battery"]["power_supply_status"] in NOT_CHARGING)
+            stream.until(
+                lambda e: e["type"] == "battery" and e["battery"]["state"]["power_supply_status"] in NOT_CHARGING
+            )
     answer = gateway.http.post("/dock", params=at, headers={"Prefer": "wait=240"}, timeout=250)
     goal = answer.raise_for_status().json()
     state = (goal["result"] or {}).get("final_battery_state", {}).get("power_supply_status")

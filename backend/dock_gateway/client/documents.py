@@ -123,16 +123,20 @@ class Robot(_Read):
 
 @dataclass(frozen=True)
 class Battery(_Read):
-    """The latest battery state of a robot: a BatteryState, None before the first, and its age in seconds.
+    """The battery of a robot. `state` is a BatteryState, None before the first; `age_s` is its age in seconds.
 
-    `percentage` is 0 to 1. `implausible` are values that are not used, and what they should be.
+    `percentage` is 0 to 1, and low below `low_below`. `implausible` are values that are not used, and what they should
+    be. `Robot` and events have the same as a document, without `age_s` and `other_topics`.
     """
 
     state: Document | None
     percentage: float | None
-    age_s: float | None
-    stale: bool
     implausible: list[Document]
+    received_at: datetime | None
+    stale: bool
+    stale_after_s: float
+    low_below: float
+    age_s: float | None
     other_topics: list[str]
 
 

@@ -8,13 +8,13 @@ import hashlib
 import re
 import struct
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime, timedelta
 from functools import cached_property
 from typing import Any, NamedTuple
 
-from dock_gateway.core.goal import Goal, GoalStatus, Json, encode, fragment
+from dock_gateway.core.goal import Goal, GoalStatus, encode, fragment
 from dock_gateway.core.grant import Grant
 
 # Returns what a grant covers of the document of an event about several robots; None if that is nothing.
@@ -88,7 +88,6 @@ KINDS = {"status": STATUS, "feedback": FEEDBACK, "result": RESULT}
 # Those of a goal that the history has: poses are stored, but not sent on streams.
 POSE = "p"
 STORED_KINDS = KINDS | {"pose": POSE}
-NO_MORE: Mapping[str, Any] = {}
 STAMP_DIGITS = 20
 # Maximum difference between the clocks of two gateways, in nanoseconds.
 CLOCK_TOLERANCE = 5_000_000_000
@@ -265,29 +264,11 @@ def pose_event(goal: Goal, scene: dict[str, Any], stamp_ns: int, source_ns: int)
     return Event(encode(document), "poses", goal.goal_id, goal.action_name, droppable=True, id=identity, key=identity)
 
 
-def message_event(
-    kind: str,
-    message: Json,
-    stamp_ns: int,
-    source_ns: int | None = None,
-    *,
-    robot: str = "/",
-    more: Mapping[str, Any] = NO_MORE,
-) -> Event:
-    """Return the event of a message on a robot's topic, `battery` or `cmd_vel`. Stamps as for `status_event`.
-
-    `more` is what the gateway adds to the message.
-    """
+def robot_event(kind: str, payload: object, stamp_ns: int, source_ns: int | None = None, *, robot: str = "/") -> Event:
+    """Return the event of a message on a robot's topic, `battery` or `cmd_vel`. Stamps as for `status_event`."""
     source_ns = stamp_ns if source_ns is None else source_ns
     identity = event_id(stamp_ns, kind, robot)
-    document = {
-        "type": kind,
-        "id": identity,
-        "time": moment(source_ns),
-        "robot": robot,
-        kind: fragment(message),
-        **more,
-    }
+    document = {"type": kind, "id": identity, "time": moment(source_ns), "robot": robot, kind: payload}
     key = event_id(source_ns, kind, robot)
     return Event(encode(document), kind, droppable=True, id=identity, robot=robot, key=key)
 

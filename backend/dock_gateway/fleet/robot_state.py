@@ -107,7 +107,7 @@ class RobotState:
             "docked": self.docked,
             "charging": self.charging,
             "simulated": self.simulator is not None,
-            "battery": self.battery.lasting(),
+            "battery": self.battery.document(),
             "battery_topic": self.battery_topic,
             "battery_publisher": {"active": publisher["active"], "rate_hz": publisher["rate_hz"]},
             "stop": self.stop,

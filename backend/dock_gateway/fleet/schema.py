@@ -12,23 +12,11 @@ from dock_gateway.goals.schema import GoalState
 from dock_gateway.http.bodies import GroupName, Name60, Unique
 from dock_gateway.http.resource import Versioned
 from dock_gateway.http.schema import MAX_GROUPS, RosName, Schema
-from dock_gateway.robots.schema import BatteryState, Implausible
+from dock_gateway.robots.schema import Battery
 from dock_gateway.stop.schema import StopState
 
 AlertKind = StrEnum("AlertKind", [(kind.value.upper(), kind.value) for kind in CORE_KINDS])  # type: ignore[misc]
 AlertKind.__doc__ = "The kinds of alerts."
-
-
-class RobotBattery(Schema):
-    """The latest battery state, with the time of reception instead of its age; otherwise as `GET /battery`."""
-
-    state: BatteryState | None
-    percentage: float | None
-    implausible: list[Implausible]
-    received_at: datetime | None
-    stale: bool
-    stale_after_s: float
-    low_below: float
 
 
 class RobotPublisher(Schema):
@@ -62,7 +50,7 @@ class Robot(Schema):
     docked: bool | None
     charging: bool | None
     simulated: bool
-    battery: RobotBattery
+    battery: Battery
     battery_topic: RosName
     battery_publisher: RobotPublisher
     stop: StopState

@@ -13,7 +13,7 @@ import orjson
 
 from dock_gateway.core.battery import BatteryReading
 from dock_gateway.core.errors import GatewayError
-from dock_gateway.core.event import message_event, system_event, utc_now
+from dock_gateway.core.event import robot_event, system_event, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Json, fragment
 from dock_gateway.core.tasks import cancel
@@ -101,8 +101,7 @@ class LatestBattery:
         fields = {**orjson.loads(state), **infinite}
         self._reading = self._plausibility.judge(fields, self._heard_at, self._received_at.timestamp())
         stamp = self._fanout.clock.stamp(stamp_ns)
-        event = message_event("battery", state, stamp, stamp_ns, robot=self._robot, more=self._believed())
-        self._fanout.publish(event)
+        self._fanout.publish(robot_event("battery", self.document(), stamp, stamp_ns, robot=self._robot))
 
     @property
     def stale_since(self) -> datetime | None:
@@ -122,26 +121,18 @@ class LatestBattery:
         """The believed values of the last message."""
         return self._reading
 
-    def _believed(self) -> dict[str, Any]:
-        reading = self._reading
-        return {"percentage": reading.percentage, "implausible": [doubt.document() for doubt in reading.doubts]}
-
-    def lasting(self) -> dict[str, Any]:
-        """Return the state, its plausible values, whether it is stale and the limits, without the age."""
-        age = self.age
+    def document(self) -> dict[str, Any]:
+        """Return the state, its plausible values, when it came, whether it is stale and the limits, for `orjson`."""
+        age, reading = self.age, self._reading
         return {
             "state": fragment(self._state),
-            **self._believed(),
+            "percentage": reading.percentage,
+            "implausible": [doubt.document() for doubt in reading.doubts],
             "received_at": self._received_at,
             "stale": age is None or age > self._stale_after,
             "stale_after_s": self._stale_after,
             "low_below": self._low_below,
         }
-
-    def document(self) -> dict[str, Any]:
-        """Return the state, its age in seconds and whether it is stale, ready for `orjson`."""
-        age = self.age
-        return {**self.lasting(), "age_s": None if age is None else round(age, 3)}
 
 
 class BatteryPublisher:

@@ -3,9 +3,9 @@
 from contextlib import AsyncExitStack
 from functools import partial
 
-from dock_gateway.core.event import message_event
+from dock_gateway.core.event import robot_event
 from dock_gateway.core.fanout import Fanout
-from dock_gateway.core.goal import Json
+from dock_gateway.core.goal import Json, fragment
 from dock_gateway.core.share import Share
 from dock_gateway.core.tasks import closed_by
 from dock_gateway.http.parts import Parts
@@ -48,7 +48,9 @@ def _subscribe_on_demand(
 
     def velocity(robot: str) -> VelocityListener:
         def hear(message: Json, stamp_ns: int) -> None:
-            fanout.publish(message_event("cmd_vel", message, fanout.clock.stamp(stamp_ns), stamp_ns, robot=robot))
+            fanout.publish(
+                robot_event("cmd_vel", fragment(message), fanout.clock.stamp(stamp_ns), stamp_ns, robot=robot)
+            )
 
         return robots.velocities.listen(settings.resolve(settings.cmd_vel_topic, robot), hear)
 

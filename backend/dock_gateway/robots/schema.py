@@ -3,8 +3,6 @@
 from datetime import datetime
 from typing import Literal
 
-from pydantic import ConfigDict
-
 from dock_gateway.http.schema import Schema
 
 
@@ -25,25 +23,30 @@ class Implausible(Schema):
 
 
 class Battery(Schema):
-    """The latest battery state and its age. A charge below `low_below` (0 to 1) is low.
+    """The battery of a robot: the same in `GET /battery`, in `GET /robots`, in snapshots and in events.
 
-    `state` is as it was sent. `percentage` is its charge (0 to 1) as the gateway uses it; null if it is not measured
-    or is `implausible`. A field stays `implausible` until its values have been right for 10 seconds.
+    `state` is the latest message, as it was sent, and null before the first one. `percentage` is its charge (0 to 1)
+    as the gateway uses it; null if it is not measured or is `implausible`. A field stays `implausible` until its values
+    have been right for 10 seconds. `stale`: nothing has come for `stale_after_s`. A charge below `low_below` (0 to 1)
+    is low.
     """
 
     state: BatteryState | None
     percentage: float | None
     implausible: list[Implausible]
-    age_s: float | None
+    received_at: datetime | None
     stale: bool
     stale_after_s: float
     low_below: float
-    received_at: datetime | None
 
 
 class BatteryAnswer(Battery):
-    """The answer to `GET /battery`. `other_topics` have batteries, if that of the robot has sent nothing."""
+    """The answer to `GET /battery`: also the age, which changes all the time.
 
+    `other_topics` have batteries, if that of the robot has sent nothing.
+    """
+
+    age_s: float | None
     other_topics: list[str]
 
 
@@ -162,15 +165,12 @@ class Scene(Schema):
 
     `dock` is the face of the dock, with its x axis pointing into it. `docked` is the robot's target pose, `staging` the
     pose that it drives to first, and `marker` the last marker pose that the camera saw. `footprint` is the robot's
-    outline, null if it is not published. `odom` is where the robot's odometry began; null if that is unknown, and
-    missing in what an older gateway stored.
+    outline, null if it is not published. `odom` is where the robot's odometry began; null if that is unknown.
     """
-
-    model_config = ConfigDict(json_schema_serialization_defaults_required=False)
 
     frame: Literal["world", "odom"]
     robot: Pose
-    odom: Pose | None = None
+    odom: Pose | None
     dock: Pose | None
     docked: Pose | None
     staging: Pose | None

@@ -85,7 +85,7 @@ def add_events(buckets: Buckets, events: Iterable[Event], span: BatterySpan) -> 
     """Add events to their buckets; return the buckets in order of time. Values that cannot be right are left out."""
     for event in events:
         stamp = int((event.id or "")[:STAMP_DIGITS])
-        state = orjson.loads(event.data)["battery"]
+        state = orjson.loads(event.data)["battery"]["state"]
         tallies = {name: _tally(_believed(state, name, span)) for name in FIELDS}
         buckets.setdefault(stamp // span.step, Bucket()).add(Bucket(stamp, state["power_supply_status"], tallies))
     return [bucket for _, bucket in sorted(buckets.items())]
@@ -143,14 +143,14 @@ def _believed_column(sent: Any, name: str, span: BatterySpan) -> "sa.ColumnEleme
 
 
 def _read_in_sqlite(*columns: "sa.ColumnElement[Any]") -> "sa.Select[Any]":
-    fields = (sa.func.json_extract(events.c.data, f"$.battery.{name}").label(name) for name in (*FIELDS, _STATUS))
+    fields = (sa.func.json_extract(events.c.data, f"$.battery.state.{name}").label(name) for name in (*FIELDS, _STATUS))
     return sa.select(*columns, *fields)
 
 
 def _read_in_postgresql(*columns: "sa.ColumnElement[Any]") -> "sa.Select[Any]":
     # Parses the JSON once; one operator per field would parse it each time.
     types = [*(sa.column(name, sa.Double) for name in FIELDS), sa.column(_STATUS, sa.Text)]
-    state = sa.func.json_to_record(sa.cast(events.c.data, sa.JSON)["battery"])
+    state = sa.func.json_to_record(sa.cast(events.c.data, sa.JSON)["battery", "state"])
     record = state.table_valued(*types).render_derived(with_types=True).lateral()
     return sa.select(*columns, *record.c).select_from(events.join(record, sa.true()))
 

@@ -8,7 +8,7 @@ from dock_gateway.core.audit import GENESIS
 from dock_gateway.core.event import time_id
 from dock_gateway.storage.tables import BEGINNING, audit_chain, horizons, metadata, revisions
 
-REVISION = "0021"  # Of `tables.py`; a change of the tables is a new one.
+REVISION = "0022"  # Of `tables.py` and of the events in it; a change of these is a new one.
 
 _LOCK = 0x646F636B67617465  # arbitrary; must be unique among the users of the database
 

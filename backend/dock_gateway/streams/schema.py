@@ -11,7 +11,7 @@ from dock_gateway.goals.action_schema import ActionServer
 from dock_gateway.goals.approval_schema import Approval
 from dock_gateway.goals.schema import DockFeedbackMessage, DockResultMessage, GoalError, GoalSummary, LiveGoal
 from dock_gateway.http.schema import Schema
-from dock_gateway.robots.schema import Battery, BatteryState, Implausible, Publisher, Scene, Simulator
+from dock_gateway.robots.schema import Battery, Publisher, Scene, Simulator
 from dock_gateway.stop.schema import StopState
 
 # The default of a field that is absent where it was not asked for; the document shows none.
@@ -104,20 +104,13 @@ class ResultEvent(Schema):
 
 
 class BatteryEvent(Schema):
-    """A message of the battery topic, as it was sent, and what the gateway makes of it, as in `GET /battery`.
-
-    Events that an older gateway stored lack `percentage` and `implausible`.
-    """
-
-    model_config = ConfigDict(json_schema_serialization_defaults_required=False)
+    """A message of the battery topic has come."""
 
     type: Literal["battery"]
     id: str
     time: datetime
     robot: str
-    battery: BatteryState
-    percentage: float | None = None
-    implausible: list[Implausible] = Field(default_factory=list)
+    battery: Battery
 
 
 class CmdVelEvent(Schema):

@@ -1,4 +1,4 @@
-import type { BatteryState, Implausible } from "@dock-gateway/client";
+import type { Battery, BatteryState } from "@dock-gateway/client";
 
 /** What is kept of what was heard live: the last five minutes. */
 export const WINDOW_S = 300;
@@ -97,17 +97,10 @@ export function inUnit(quantity: Quantity, value: number | null): number | null 
   return value === null || quantity !== "percentage" ? value : value * 100;
 }
 
-interface Sent {
-  /** The message as it was sent. */
-  state: BatteryState;
-  /** What the gateway believes of the charge, 0 to 1. Events of older gateways do not have it. */
-  percentage?: number | null;
-  implausible?: readonly Implausible[];
-}
-
 /** A battery state without the values that the gateway does not believe: they count as not measured. */
-export function believed({ state, percentage, implausible = [] }: Sent): BatteryState {
-  const known = { ...state, percentage: percentage === undefined ? state.percentage : percentage };
+export function believed({ state, percentage, implausible }: Battery): BatteryState | null {
+  if (state === null) return null;
+  const known = { ...state, percentage };
   for (const { field } of implausible) {
     const [name, place] = field.split(".");
     if (name === "power_supply_status") known.power_supply_status = 0;

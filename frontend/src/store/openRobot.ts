@@ -28,7 +28,8 @@ export function openRobot(
   const store = new Store();
   const series = new BatterySeries();
   store.onBattery((event) => {
-    series.push(Date.parse(event.time), believed({ ...event, state: event.battery }));
+    const state = believed(event.battery);
+    if (state !== null) series.push(Date.parse(event.time), state);
   });
   const scene = new SceneBuffer();
   store.onScene((event) => scene.push(event.scene, performance.now(), Date.parse(event.time)));

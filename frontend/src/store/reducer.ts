@@ -39,15 +39,7 @@ function applyEvent(state: State, event: GatewayEvent, now: number): State {
     case "result":
       return applyResult(state, event);
     case "battery":
-      return {
-        ...state,
-        battery: {
-          ...state.battery,
-          state: believed({ ...event, state: event.battery }),
-          implausible: event.implausible ?? [],
-          receivedAt: Date.parse(event.time),
-        },
-      };
+      return { ...state, battery: batteryOf(event.battery) };
     case "cmd_vel":
       return { ...state, cmdVel: { twist: event.cmd_vel, receivedAt: Date.parse(event.time) } };
     case "battery_publisher":
@@ -91,9 +83,9 @@ function applySnapshot(state: State, event: EventOf<"snapshot">, now: number): S
 }
 
 function batteryOf(battery: Battery): State["battery"] {
-  const { state, implausible, received_at, stale_after_s, low_below } = battery;
+  const { implausible, received_at, stale_after_s, low_below } = battery;
   return {
-    state: state === null ? null : believed({ ...battery, state }),
+    state: believed(battery),
     implausible,
     receivedAt: received_at === null ? null : Date.parse(received_at),
     staleAfterS: stale_after_s,

@@ -13,11 +13,11 @@ from dock_gateway.core.event import (
     EventClock,
     event_id,
     feedback_event,
-    message_event,
     moment,
     nanoseconds,
     notice,
     result_event,
+    robot_event,
     stamp_of,
     status_event,
     system_event,
@@ -75,9 +75,9 @@ def test_status_and_result_events_must_arrive() -> None:
 
 
 def test_topics_and_surroundings() -> None:
-    battery = message_event("battery", b'{"voltage":2.16}', STAMP)
+    battery = robot_event("battery", {"state": {"voltage": 2.16}}, STAMP)
     assert battery.topic == "battery"
-    assert orjson.loads(battery.data)["battery"] == {"voltage": 2.16}
+    assert orjson.loads(battery.data)["battery"] == {"state": {"voltage": 2.16}}
     system = system_event("action_server", {"available": True}, NOW)
     assert orjson.loads(system.data) == {
         "type": "action_server",
@@ -118,7 +118,7 @@ def test_what_happened_has_the_same_key_at_every_gateway() -> None:
         first, second = status_event(goal, stamp, STAMP), result_event(goal, stamp, STAMP)
         assert (first.key, second.key) == (f"s-{goal.goal_id}", f"z-{goal.goal_id}")
         assert feedback_event(goal, stamp, STAMP).key == event_id(STAMP, "f", goal.goal_id)
-    one, other = (message_event("battery", b"{}", STAMP, robot=robot) for robot in ("/robot1", "/robot2"))
+    one, other = (robot_event("battery", {}, STAMP, robot=robot) for robot in ("/robot1", "/robot2"))
     assert len({one.id, other.id, one.key, other.key}) == 2
 
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import orjson
 
-from dock_gateway.core.event import Event, fleet_event, message_event, overview_event, utc_now
+from dock_gateway.core.event import Event, fleet_event, overview_event, robot_event, utc_now
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.narrowing import by_robot, narrow, narrow_alerts, narrow_robots
 
@@ -62,7 +62,7 @@ def test_events_about_other_robots_alone_are_left_out() -> None:
 
 def test_other_events_are_the_same_for_all_readers() -> None:
     grant = robots("/robot1")
-    battery = message_event("battery", b"{}", 1, robot="/robot1")
+    battery = robot_event("battery", {}, 1, robot="/robot1")
     assert narrow(battery, grant) is battery
 
 

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 from typing import Any
 from unittest.mock import patch
 
-from dock_gateway.core.event import Event, message_event, moment, notice
+from dock_gateway.core.event import Event, moment, notice, robot_event
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import EventFilter, GoalFilter
 from dock_gateway.core.goal import Goal, ResultAnswer
@@ -178,7 +178,7 @@ class Gateway(Process):
 
     def on_battery(self, stamp: int) -> None:
         """Take the state of the robot's battery."""
-        event = message_event("battery", b"{}", self.fanout.clock.stamp(stamp), stamp, robot="/")
+        event = robot_event("battery", {}, self.fanout.clock.stamp(stamp), stamp, robot="/")
         self.fanout.publish(event)
 
 

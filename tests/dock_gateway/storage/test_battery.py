@@ -7,12 +7,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import orjson
 import pytest
 import sqlalchemy as sa
 
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.core.event import Event, message_event
+from dock_gateway.core.event import Event, robot_event
 from dock_gateway.storage import battery, reader
 from dock_gateway.storage.battery import FIELDS, BatterySpan, Bucket
 from tests.support.history import START_NS, history_at, make_event, open_at, open_place, settled, written
@@ -25,7 +24,7 @@ def state(at: float, *, robot: str = "/", status: int = 2, **measured: float | N
     """A battery message, so many seconds after the start."""
     fields = dict.fromkeys(FIELDS) | measured
     document = {"power_supply_status": status, "cell_voltage": [3.7], **fields}
-    return message_event("battery", orjson.dumps(document), START + round(at * SECOND), robot=robot)
+    return robot_event("battery", {"state": document}, START + round(at * SECOND), robot=robot)
 
 
 def span(since: float, until: float, step: float = 1.0, robot: str = "/") -> BatterySpan:

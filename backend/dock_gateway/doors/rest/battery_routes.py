@@ -55,7 +55,9 @@ async def get_battery(robots: Part[RobotRegistry], grant: TheGrant, robot: Robot
     """Return the latest battery state, its age, whether it is stale, and without one which batteries there are."""
     known = robots.get(robot)
     others = [topic for topic in await robots.other_batteries(known) if grant.covers_topic(topic)]
-    return json_response({**known.battery.document(), "other_topics": others[:MAX_TOPICS]})
+    age = known.battery.age
+    more = {"age_s": None if age is None else round(age, 3), "other_topics": others[:MAX_TOPICS]}
+    return json_response(known.battery.document() | more)
 
 
 @router.post("/battery", openapi_extra=battery_body(required=True))

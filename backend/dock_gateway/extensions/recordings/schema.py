@@ -8,7 +8,7 @@ from dock_gateway.http.schema import Schema
 class GoalRecording(Schema):
     """The recording of a goal at this gateway: it is there, still being made, or there is none, and the reason.
 
-    `size` is in bytes. `picture`: whether it has a picture of a camera, for the thumbnail.
+    `picture`: whether it has a picture of a camera, for the thumbnail.
     """
 
     state: Literal["complete", "running", "none"]
@@ -18,7 +18,7 @@ class GoalRecording(Schema):
 
 
 class ReplayScan(Schema):
-    """What the laser saw: points (x, y) in metres, as seen from the robot. `at`: seconds since the goal began."""
+    """What the laser saw: points (x, y) in metres, as seen from the robot. `offset_s`: since the goal began."""
 
     offset_s: float
     points: list[list[float]]

@@ -116,9 +116,9 @@ const Last = memo(function Last({ path, words, outcome, at }: LastProps) {
 
 /** A robot's battery: how full, whether it charges, and how old that is. */
 export function BatteryMeter({ battery, charging }: Pick<Robot, "battery" | "charging">) {
-  const { state, received_at, stale_after_s, low_below } = battery;
-  if (state === null || received_at === null) return <span className={classes.empty}>No data</span>;
-  const known = believed({ ...battery, state });
+  const { received_at, stale_after_s, low_below } = battery;
+  const known = believed(battery);
+  if (known === null || received_at === null) return <span className={classes.empty}>No data</span>;
   const { percentage, voltage, power_supply_status: status } = known;
   const filled = percentage === null ? null : Math.round(percentage * 100);
   return (

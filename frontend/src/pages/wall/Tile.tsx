@@ -65,14 +65,14 @@ export const Tile = memo(function Tile({ robot, attention, live }: TileProps) {
 });
 
 function Battery({ battery, charging, live }: Pick<Robot, "battery" | "charging"> & { live: boolean }) {
-  const { state, received_at, stale_after_s, low_below } = battery;
+  const { received_at, stale_after_s, low_below } = battery;
   const stale = useAtTime(
     (now) =>
       received_at !== null &&
       freshnessOf(live, now - Date.parse(received_at), stale_after_s * 1000) === "stale",
   );
-  if (state === null) return <div className={classes.battery}>No battery data</div>;
-  const known = believed({ ...battery, state });
+  const known = believed(battery);
+  if (known === null) return <div className={classes.battery}>No battery data</div>;
   const { percentage, voltage } = known;
   const filled = percentage === null ? null : Math.min(100, Math.max(0, Math.round(percentage * 100)));
   const charge = chargeOf(known, low_below, charging);
