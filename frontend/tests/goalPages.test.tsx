@@ -37,7 +37,10 @@ function answering(more: Record<string, Answer>) {
   const fetch = vi.fn(async (request: Request) => {
     const path = request.url.replace("http://gateway:8000", "");
     const found = Object.keys(answers).find((start) => `${request.method} ${path}`.startsWith(start));
-    if (found !== undefined) return Response.json(answers[found]?.(request, path) ?? null);
+    if (found !== undefined) {
+      const answer = answers[found]?.(request, path) ?? null;
+      return answer instanceof Response ? answer : Response.json(answer);
+    }
     return Response.json(
       { title: "t", status: 404, code: "goal_not_found", detail: `no ${path}` },
       { status: 404 },
@@ -239,6 +242,7 @@ describe("the page of a goal", () => {
   it("has the notes and tags of everybody, and adds to them under a name", async () => {
     const note = { id: "n1", by: "Bob", created_at: at(-30), text: "by a box" };
     let stored = { tags: ["blocked"], notes: [note] };
+    let etag = '"1"';
     const sent: unknown[] = [];
     const { asked } = answering({
       "GET /goals/tags": () => ({ tags: ["blocked", "maintenance"] }),
@@ -249,10 +253,18 @@ describe("the page of a goal", () => {
         return added;
       },
       "PUT /goals/a/tags": (request) => {
+        if (request.headers.get("If-Match") !== etag) {
+          const detail = "it was changed meanwhile";
+          return Response.json(
+            { status: 412, code: "changed_meanwhile", title: "t", detail },
+            { status: 412 },
+          );
+        }
         request.json().then((body) => sent.push(body));
         stored = { ...stored, tags: ["blocked", "late"] };
-        return { tags: stored.tags };
+        return { tags: stored.tags, etag };
       },
+      "GET /goals/a/tags": () => ({ tags: stored.tags, etag }),
       "DELETE /goals/a/notes/n1": () => {
         stored = { ...stored, notes: stored.notes.slice(1) };
       },
@@ -273,6 +285,12 @@ describe("the page of a goal", () => {
     await user.type(section.getByRole("combobox", { name: "Tags" }), "late{Enter}");
     expect(await section.findByText("late")).toBeDefined();
     expect(sent).toEqual([{ by: "Ada", text: "gone" }, { tags: ["blocked", "late"] }]);
+    [stored, etag] = [{ ...stored, tags: ["night"] }, '"2"']; // by someone else
+    await user.type(section.getByRole("combobox", { name: "Tags" }), "lost{Enter}");
+    expect(await section.findByText("Someone else has changed the tags meanwhile")).toBeDefined();
+    expect(await section.findByText("night")).toBeDefined();
+    expect(section.queryByText("lost")).toBeNull();
+    expect(sent).toHaveLength(2);
     await user.click(button("Delete the note by Bob"));
     expect(asked().some((each) => each.startsWith("DELETE"))).toBe(false);
     await user.click(button("Really delete the note by Bob"));

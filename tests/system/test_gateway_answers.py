@@ -121,7 +121,7 @@ CASES = {
     ),
     "no token": Case("DELETE", "/tokens/{token}", None, "/tokens", nothing, entry("tokens", "id", "{token}")),
     "a goal": Case("POST", "/dock", {}, GOAL, part("goal_id"), part("goal_id")),
-    "tags": Case("PUT", GOAL + "/tags", {"tags": ["blocked"]}, GOAL, whole, only("tags")),
+    "tags": Case("PUT", GOAL + "/tags", {"tags": ["blocked"]}, GOAL, only("tags"), only("tags")),
     "a note": Case("POST", GOAL + "/notes", {"by": "Ada", "text": "Lens wiped"}, GOAL, whole, NOTE),
     "no note": Case("DELETE", GOAL + "/notes/{note}", None, GOAL, nothing, NOTE),
     "canceled": Case("POST", GOAL + "/cancel", None, GOAL, is_canceled, is_canceled),

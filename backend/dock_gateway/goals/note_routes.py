@@ -1,6 +1,7 @@
-"""`/goals/{goal_id}/notes` and `/tags`: what people write about a goal, which `/goals/{goal_id}` has."""
+"""`/goals/{goal_id}/notes` and `/tags`: what people write about a goal. `/goals/{goal_id}` has it, too."""
 
 import uuid
+from collections.abc import Collection
 from datetime import UTC, datetime
 from typing import Annotated
 
@@ -9,15 +10,17 @@ from starlette.responses import Response
 
 from dock_gateway.core.grant import Role
 from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.schema import GoalTags, NoteBody, Tags, TagsBody
 from dock_gateway.goals.schema import Note as NoteAnswer
-from dock_gateway.goals.schema import NoteBody, Tags, TagsBody
 from dock_gateway.http.bodies import Body, SignedBody
 from dock_gateway.http.openapi import UNSTABLE
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.requests import Answer, GoalId, json_response
+from dock_gateway.http.resource import ChangeCondition, Item, item_response
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.storage import History, Note
+from dock_gateway.storage.notes import etag_of
 
 router = APIRouter(route_class=ApiRoute, tags=["Goals"], prefix="/goals")
 
@@ -52,12 +55,24 @@ async def delete_note(goal_id: GoalId, note_id: NoteId, goals: Part[Goals], hist
     return Response(status_code=204)
 
 
+@router.get("/{goal_id}/tags")
+@operation(Role.VIEWER, Scope.GOAL)
+async def get_tags(goal_id: GoalId, goals: Part[Goals], history: Part[History]) -> Item[GoalTags]:
+    """Return the tags of a goal, in alphabetical order."""
+    await goals.get(goal_id)
+    return _answer_tags((await history.notes.tags_of([goal_id])).get(goal_id, ()))
+
+
 @router.put("/{goal_id}/tags")
 @operation(Role.OPERATOR, Scope.GOAL)
 async def replace_tags(
-    goal_id: GoalId, body: Body[TagsBody], goals: Part[Goals], history: Part[History]
-) -> Answer[Tags]:
+    goal_id: GoalId, body: Body[TagsBody], goals: Part[Goals], history: Part[History], condition: ChangeCondition
+) -> Item[GoalTags]:
     """Replace the tags of a goal. Returns them in alphabetical order."""
     await goals.get(goal_id)
-    await history.notes.replace_tags(goal_id, body.tags)
-    return json_response({"tags": sorted(body.tags)})
+    await history.notes.replace_tags(goal_id, body.tags, condition)
+    return _answer_tags(body.tags)
+
+
+def _answer_tags(tags: Collection[str]) -> Item[GoalTags]:
+    return item_response({"tags": sorted(tags), "etag": etag_of(tags)})

@@ -11,6 +11,7 @@ from pydantic import AfterValidator, ConfigDict, Field, JsonValue
 
 from dock_gateway.core.goal import GoalStatus, Origin, Verb
 from dock_gateway.http.bodies import Name60, TagName, Unique, expected
+from dock_gateway.http.resource import Versioned
 from dock_gateway.http.schema import RosName, Schema
 from dock_gateway.robots.schema import BatteryState, Scene
 
@@ -206,7 +207,13 @@ class TagsBody(Schema):
 
 
 class Tags(Schema):
-    """The tags of a goal, or of all goals, in alphabetical order."""
+    """The tags of all goals, in alphabetical order."""
+
+    tags: list[str]
+
+
+class GoalTags(Versioned):
+    """The tags of a goal, in alphabetical order."""
 
     tags: list[str]
 

@@ -7,6 +7,7 @@ from datetime import datetime
 import sqlalchemy as sa
 
 from dock_gateway.core.errors import limit_reached
+from dock_gateway.core.versions import UNCONDITIONAL, Condition, entity_tag
 from dock_gateway.storage.immediate import ImmediateWriter
 from dock_gateway.storage.reader import Reader
 from dock_gateway.storage.tables import goal_notes, goal_tags, goals
@@ -86,9 +87,18 @@ class Notes:
         """Delete a note, if the goal has it."""
         await self._writer.write(_remove, goal_id, note_id)
 
-    async def replace_tags(self, goal_id: str, tags: Collection[str]) -> None:
-        """Store the tags of a goal."""
-        await self._writer.write(_replace_tags, goal_id, tags)
+    async def replace_tags(self, goal_id: str, tags: Collection[str], condition: Condition = UNCONDITIONAL) -> None:
+        """Store the tags of a goal.
+
+        Raises:
+            ChangedMeanwhile: They have not the version of the condition.
+        """
+        await self._writer.write(_replace_tags, goal_id, tags, condition)
+
+
+def etag_of(tags: Collection[str]) -> str:
+    """Return the entity tag of the tags of a goal, also of none."""
+    return entity_tag(sorted(tags))
 
 
 def delete_of(connection: sa.Connection, goal_ids: Collection[str]) -> None:
@@ -130,8 +140,9 @@ def _remove(connection: sa.Connection, goal_id: str, note_id: str) -> None:
     connection.execute(sa.delete(goal_notes).where(*it))
 
 
-def _replace_tags(connection: sa.Connection, goal_id: str, tags: Collection[str]) -> None:
+def _replace_tags(connection: sa.Connection, goal_id: str, tags: Collection[str], condition: Condition) -> None:
     _lock(connection, goal_id)
+    condition.require(etag_of(_tags_of(connection, [goal_id]).get(goal_id, ())))
     connection.execute(sa.delete(goal_tags).where(goal_tags.c.goal_id == goal_id))
     if tags:
         connection.execute(sa.insert(goal_tags), [{"goal_id": goal_id, "tag": tag} for tag in sorted(tags)])

@@ -3,6 +3,7 @@ import {
   type BatteryStateInput,
   type Calibration,
   type CalibrationService,
+  type components,
   type DockList,
   deadline,
   type Http,
@@ -89,9 +90,17 @@ export function createAlerts(http: Http) {
   };
 }
 
-type RobotLabel = NonNullable<paths["/label"]["put"]["requestBody"]>["content"]["application/json"];
+type LabelBody = NonNullable<paths["/label"]["put"]["requestBody"]>["content"]["application/json"];
 
-/** Replaces the display name and the groups of a robot; throws a ClientError where it fails. */
-export function putLabel(http: Http, robot: string, label: RobotLabel): Promise<unknown> {
-  return settle(http.PUT("/label", { params: { query: { robot } }, body: label, signal: deadline() }));
+export type Label = components["schemas"]["Label"];
+
+/** The display name and the groups of a robot; throws a ClientError where it fails. */
+export function getLabel(http: Http, robot: string): Promise<Label> {
+  return settle(http.GET("/label", { params: { query: { robot } }, signal: deadline() }));
+}
+
+/** Replaces a label, unless someone else has changed it meanwhile; throws a ClientError where it fails. */
+export function putLabel(http: Http, { robot, etag }: Label, body: LabelBody): Promise<Label> {
+  const params = { query: { robot }, header: { "If-Match": etag } };
+  return settle(http.PUT("/label", { params, body, signal: deadline() }));
 }

@@ -86,9 +86,11 @@ export function goalExportUrl(goalId: string, format: ExportFormat): string {
 
 export type Note = components["schemas"]["Note"];
 
+export type GoalTags = components["schemas"]["GoalTags"];
+
 /** What people say about a goal. */
 export interface GoalNotes {
-  tags: string[];
+  tags: GoalTags;
   notes: Note[];
 }
 
@@ -99,8 +101,10 @@ export function createNotesApi(http: Http, goalId: string) {
   return {
     /** Null while the gateway cannot tell. */
     read: async (): Promise<GoalNotes | null> => {
-      const { tags, notes } = await settle(http.GET("/goals/{goal_id}", options()));
-      return tags == null || notes == null ? null : { tags, notes };
+      const { notes } = await settle(http.GET("/goals/{goal_id}", options()));
+      return notes == null
+        ? null
+        : { tags: await settle(http.GET("/goals/{goal_id}/tags", options())), notes };
     },
     add: (by: string, text: string): Promise<Note> =>
       settle(http.POST("/goals/{goal_id}/notes", { body: { by, text }, ...options() })),
@@ -111,8 +115,15 @@ export function createNotesApi(http: Http, goalId: string) {
           signal: deadline(),
         }),
       ),
-    setTags: (tags: readonly string[]): Promise<{ tags: string[] }> =>
-      settle(http.PUT("/goals/{goal_id}/tags", { body: { tags: [...tags] }, ...options() })),
+    /** Replaces tags, unless someone else has changed them meanwhile. */
+    setTags: (replaced: GoalTags, tags: readonly string[]): Promise<GoalTags> =>
+      settle(
+        http.PUT("/goals/{goal_id}/tags", {
+          body: { tags: [...tags] },
+          params: { path, header: { "If-Match": replaced.etag } },
+          signal: deadline(),
+        }),
+      ),
   };
 }
 

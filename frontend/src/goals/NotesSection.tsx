@@ -1,10 +1,11 @@
-import { Button, Group, Skeleton, Stack, TagsInput, Text, Textarea, TextInput } from "@mantine/core";
+import { Alert, Button, Group, Skeleton, Stack, TagsInput, Text, Textarea, TextInput } from "@mantine/core";
 import { useQueryClient } from "@tanstack/react-query";
 import { type FormEvent, type KeyboardEvent, useMemo, useState } from "react";
 import { MAX_NAME, ownName, setOwnName } from "../access/who";
 import { createNotesApi, type Note, type NotesApi } from "../api/goals";
 import { LIMITS } from "../api/limits.gen";
 import { useFleet, useWhyNot } from "../fleet/context";
+import { isConflict } from "../ui/Conflict";
 import { CommandErrorAlert, Trouble } from "../ui/errors";
 import { ReasonButton } from "../ui/ReasonButton";
 import { useAnswer, useCommand } from "../ui/requests";
@@ -26,9 +27,9 @@ export function NotesSection({ goalId }: { goalId: string }) {
       ) : (
         <Stack gap="sm">
           <TagsField
-            tags={notes.tags}
+            tags={notes.tags.tags}
             reason={reason}
-            onTags={(tags) => change.mutate((api) => api.setTags(tags))}
+            onTags={(tags) => change.mutate((api) => api.setTags(notes.tags, tags))}
           />
           <NoteList
             notes={notes.notes}
@@ -45,7 +46,20 @@ export function NotesSection({ goalId }: { goalId: string }) {
           />
         </Stack>
       )}
-      <CommandErrorAlert command="Saving" error={change.error} onClose={change.reset} />
+      {isConflict(change.error) ? (
+        <Alert
+          color="orange"
+          role="alert"
+          title="Someone else has changed the tags meanwhile"
+          withCloseButton
+          closeButtonLabel="Dismiss"
+          onClose={change.reset}
+        >
+          Your change is not saved. The tags are shown as they are now: change them again.
+        </Alert>
+      ) : (
+        <CommandErrorAlert command="Saving" error={change.error} onClose={change.reset} />
+      )}
     </Section>
   );
 }
@@ -222,8 +236,11 @@ function useNotes(goalId: string) {
     refetchInterval: REFETCH_MS,
   });
   const change = useCommand(async (send: (api: NotesApi) => Promise<unknown>) => {
-    await send(api);
-    await client.invalidateQueries({ queryKey: key }); // also what is being read now is outdated
+    try {
+      await send(api);
+    } finally {
+      await client.invalidateQueries({ queryKey: key }); // also what is being read now is outdated
+    }
     void client.invalidateQueries({ queryKey: TAGS_KEY });
   });
   return { notes: data ?? null, error, refetch, change };

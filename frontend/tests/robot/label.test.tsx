@@ -13,19 +13,24 @@ const named = robot("/robot1", { display_name: "Left forklift", groups: ["Hall 1
 const plain = robot("/robot2");
 const PAGE = "/ui/robot?robot=/robot1";
 
-function answers(body: unknown, status = 200) {
-  const fetched = vi.fn(async ({ url }: Request) =>
-    url.endsWith("/automation/rules") ? Response.json({ rules: [] }) : Response.json(body, { status }),
-  );
+const LABEL = "http://gateway:8000/label?robot=%2Frobot1";
+const label = { robot: "/robot1", display_name: "Left forklift", groups: ["Hall 1"], etag: '"1"' };
+
+/** A gateway that answers a change of the label with this; it has had the one before. */
+function answers(body: unknown, status = 200, present = label) {
+  const fetched = vi.fn(async ({ url, method }: Request) => {
+    if (url.endsWith("/automation/rules")) return Response.json({ rules: [] });
+    return method === "GET" && url === LABEL ? Response.json(present) : Response.json(body, { status });
+  });
   vi.stubGlobal("fetch", fetched);
   return fetched;
 }
 
-/** The label that was sent. The page asks for other things, too. */
-async function labelPut(fetched: ReturnType<typeof answers>): Promise<unknown> {
+/** The labels that were sent, and for which version. The page asks for other things, too. */
+async function labelsPut(fetched: ReturnType<typeof answers>): Promise<[unknown, string | null][]> {
   const sent = fetched.mock.calls.map(([request]) => request).filter(({ method }) => method === "PUT");
-  expect(sent.map(({ url }) => url)).toEqual(["http://gateway:8000/label?robot=%2Frobot1"]);
-  return sent[0]?.json();
+  for (const { url } of sent) expect(url).toBe(LABEL);
+  return Promise.all(sent.map(async (each) => [await each.json(), each.headers.get("If-Match")]));
 }
 
 const button = (name: string) => screen.getByRole("button", { name });
@@ -76,10 +81,9 @@ describe("the dialog of a robot's name and groups", () => {
     await page.user.type(dialog.getByRole("combobox", { name: "Groups" }), "spare{Enter}");
     await page.user.click(dialog.getByRole("button", { name: "Save" }));
     await waitFor(() => expect(screen.queryByRole("dialog")).toBeNull());
-    expect(await labelPut(fetched)).toEqual({
-      display_name: "Right forklift",
-      groups: ["Hall 1", "spare"],
-    });
+    expect(await labelsPut(fetched)).toEqual([
+      [{ display_name: "Right forklift", groups: ["Hall 1", "spare"] }, '"1"'],
+    ]);
   });
 
   it("removes a name that is emptied", async () => {
@@ -89,7 +93,7 @@ describe("the dialog of a robot's name and groups", () => {
     await page.user.clear(await dialog.findByLabelText("Name"));
     await page.user.keyboard("{Enter}");
     await waitFor(() => expect(screen.queryByRole("dialog")).toBeNull());
-    expect(await labelPut(fetched)).toMatchObject({ display_name: null, groups: ["Hall 1"] });
+    expect(await labelsPut(fetched)).toEqual([[{ display_name: null, groups: ["Hall 1"] }, '"1"']]);
   });
 
   it("stays open with what the gateway refuses", async () => {
@@ -99,6 +103,29 @@ describe("the dialog of a robot's name and groups", () => {
     await page.user.click(await dialog.findByRole("button", { name: "Save" }));
     expect(await dialog.findByText(/the name is taken/)).toBeDefined();
     expect(dialog.getByText(/choose a different one/)).toBeDefined();
+  });
+});
+
+describe("a name that someone else has changed meanwhile", () => {
+  const theirs = { ...label, display_name: "Spare", groups: [], etag: '"2"' };
+
+  it("is not lost: both can be seen, and one is chosen", async () => {
+    const fetched = answers({ code: "changed_meanwhile", title: "Changed", detail: "it was changed" }, 412);
+    const page = renderPage(fakeGateway(), { robots: [named, plain] }, PAGE);
+    const dialog = await openDialog(page);
+    await page.user.type(await dialog.findByLabelText("Name"), " 2");
+    answers({ code: "changed_meanwhile", title: "Changed", detail: "it was changed" }, 412, theirs);
+    await page.user.click(dialog.getByRole("button", { name: "Save" }));
+    expect(await dialog.findByText(/Someone else has changed it meanwhile/)).toBeDefined();
+    expect(dialog.getByLabelText("Name")).toHaveProperty("value", "Left forklift 2");
+    expect(fetched.mock.calls.every(([{ method }]) => method === "GET")).toBe(true);
+    await page.user.click(dialog.getByRole("button", { name: "Show the new version" }));
+    await waitFor(() => expect(dialog.getByLabelText("Name")).toHaveProperty("value", "Spare"));
+    const again = answers({ ...theirs, display_name: "Mine" }, 200, theirs);
+    await page.user.type(dialog.getByLabelText("Name"), " 3");
+    await page.user.click(dialog.getByRole("button", { name: "Save" }));
+    await waitFor(() => expect(screen.queryByRole("dialog")).toBeNull());
+    expect(await labelsPut(again)).toEqual([[{ display_name: "Spare 3", groups: [] }, '"2"']]);
   });
 });
 

@@ -64,8 +64,10 @@ def test_notes_and_tags(client: Client) -> None:
     lines = {"by": "Bob", "text": " one\r\n\ttwo 👩‍🔧\n"}
     other = client.send("POST", NOTES, 201, json=lines)
     assert other["text"] == "one\n\ttwo 👩‍🔧"
-    tags = client.send("PUT", TAGS, json={"tags": [" maintenance", "blocked", "blocked "]})
-    assert tags == {"tags": ["blocked", "maintenance"]}
+    changed = client.send("PUT", TAGS, json={"tags": [" maintenance", "blocked", "blocked "]})
+    assert client.send("GET", TAGS) == changed
+    tags = {"tags": ["blocked", "maintenance"]}
+    assert changed == tags | {"etag": changed["etag"]}
     assert client.send("GET", "/goals/tags") == tags
     assert client.written() == tags | {"notes": [note, other]}
     client.send("DELETE", f"{NOTES}/{note['id']}", 204)
@@ -76,6 +78,18 @@ def test_notes_and_tags(client: Client) -> None:
     assert client.send("DELETE", f"{NOTES}/%00", 422)["errors"][0]["path"] == "note_id"
     assert client.send("GET", f"/goals/{GOAL.replace('-', '').upper()}") == listed
     assert client.send("PUT", TAGS, json={"tags": []})["tags"] == []
+
+
+def test_of_two_people_who_change_the_tags_none_loses_a_change(client: Client) -> None:
+    seen = client.send("GET", TAGS)
+    assert client.http.get(TAGS).headers["etag"] == seen["etag"]
+    condition = {"If-Match": seen["etag"]}
+    ada = client.send("PUT", TAGS, json={"tags": ["blocked"]}, headers=condition)
+    refused = client.send("PUT", TAGS, 412, json={"tags": ["late"]}, headers=condition)
+    assert refused["code"] == "changed_meanwhile"
+    assert client.written()["tags"] == ["blocked"]
+    client.send("PUT", TAGS, json={"tags": ["blocked", "late"]}, headers={"If-Match": ada["etag"]})
+    assert client.send("PUT", TAGS, json={"tags": []})["etag"] == seen["etag"]
 
 
 def test_notes_and_tags_that_are_refused(client: Client) -> None:
@@ -100,6 +114,7 @@ def test_a_goal_that_is_not_there(client: Client) -> None:
     missing = "/goals/00000000-0000-4000-8000-000000000002"
     for method, path, content in (
         ("GET", "", {}),
+        ("GET", "/tags", {}),
         ("POST", "/notes", {"json": BLOCKED}),
         ("DELETE", f"/notes/{'0' * 32}", {}),
         ("PUT", "/tags", {"json": {"tags": []}}),
