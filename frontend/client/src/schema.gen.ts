@@ -964,7 +964,11 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        get?: never;
+        /**
+         * Get Tags
+         * @description Return the tags of a goal, in alphabetical order.
+         */
+        get: operations["get_tags"];
         /**
          * Replace Tags
          * @description Replace the tags of a goal. Returns them in alphabetical order.
@@ -2316,10 +2320,12 @@ export interface components {
         };
         /**
          * Battery
-         * @description The latest battery state and its age. A charge below `low_below` (0 to 1) is low.
+         * @description The battery of a robot: the same in `GET /battery`, in `GET /robots`, in snapshots and in events.
          *
-         *     `state` is as it was sent. `percentage` is its charge (0 to 1) as the gateway uses it; null if it is not measured
-         *     or is `implausible`. A field stays `implausible` until its values have been right for 10 seconds.
+         *     `state` is the latest message, as it was sent, and null before the first one. `percentage` is its charge (0 to 1)
+         *     as the gateway uses it; null if it is not measured or is `implausible`. A field stays `implausible` until its values
+         *     have been right for 10 seconds. `stale`: nothing has come for `stale_after_s`. A charge below `low_below` (0 to 1)
+         *     is low.
          */
         Battery: {
             state: components["schemas"]["BatteryState"] | null;
@@ -2327,20 +2333,20 @@ export interface components {
             percentage: number | null;
             /** Implausible */
             implausible: components["schemas"]["Implausible"][];
-            /** Age S */
-            age_s: number | null;
+            /** Received At */
+            received_at: string | null;
             /** Stale */
             stale: boolean;
             /** Stale After S */
             stale_after_s: number;
             /** Low Below */
             low_below: number;
-            /** Received At */
-            received_at: string | null;
         };
         /**
          * BatteryAnswer
-         * @description The answer to `GET /battery`. `other_topics` have batteries, if that of the robot has sent nothing.
+         * @description The answer to `GET /battery`: also the age, which changes all the time.
+         *
+         *     `other_topics` have batteries, if that of the robot has sent nothing.
          */
         BatteryAnswer: {
             state: components["schemas"]["BatteryState"] | null;
@@ -2348,16 +2354,16 @@ export interface components {
             percentage: number | null;
             /** Implausible */
             implausible: components["schemas"]["Implausible"][];
-            /** Age S */
-            age_s: number | null;
+            /** Received At */
+            received_at: string | null;
             /** Stale */
             stale: boolean;
             /** Stale After S */
             stale_after_s: number;
             /** Low Below */
             low_below: number;
-            /** Received At */
-            received_at: string | null;
+            /** Age S */
+            age_s: number | null;
             /** Other Topics */
             other_topics: string[];
         };
@@ -2379,9 +2385,7 @@ export interface components {
         };
         /**
          * BatteryEvent
-         * @description A message of the battery topic, as it was sent, and what the gateway makes of it, as in `GET /battery`.
-         *
-         *     Events that an older gateway stored lack `percentage` and `implausible`.
+         * @description A message of the battery topic has come.
          */
         BatteryEvent: {
             /**
@@ -2398,14 +2402,7 @@ export interface components {
             time: string;
             /** Robot */
             robot: string;
-            battery: components["schemas"]["BatteryState"];
-            /**
-             * Percentage
-             * @default null
-             */
-            percentage: number | null;
-            /** Implausible */
-            implausible?: components["schemas"]["Implausible"][];
+            battery: components["schemas"]["Battery"];
         };
         /**
          * BatteryHistory
@@ -3485,7 +3482,7 @@ export interface components {
          * GoalRecording
          * @description The recording of a goal at this gateway: it is there, still being made, or there is none, and the reason.
          *
-         *     `size` is in bytes. `picture`: whether it has a picture of a camera, for the thumbnail.
+         *     `picture`: whether it has a picture of a camera, for the thumbnail.
          */
         GoalRecording: {
             /**
@@ -3561,6 +3558,19 @@ export interface components {
          * @enum {string}
          */
         GoalStatus: "pending" | "accepted" | "executing" | "canceling" | "succeeded" | "canceled" | "aborted" | "rejected" | "lost";
+        /**
+         * GoalTags
+         * @description The tags of a goal, in alphabetical order.
+         */
+        GoalTags: {
+            /**
+             * Etag
+             * @description The version, as in the header `ETag`: send it as `If-Match`
+             */
+            etag: string;
+            /** Tags */
+            tags: string[];
+        };
         /**
          * Graph
          * @description The ROS graph; `hidden` entries are ROS internals, or a part of their name begins with `_`.
@@ -4719,7 +4729,7 @@ export interface components {
         };
         /**
          * ReplayScan
-         * @description What the laser saw: points (x, y) in metres, as seen from the robot. `at`: seconds since the goal began.
+         * @description What the laser saw: points (x, y) in metres, as seen from the robot. `offset_s`: since the goal began.
          */
         ReplayScan: {
             /** Offset S */
@@ -4834,7 +4844,7 @@ export interface components {
             charging: boolean | null;
             /** Simulated */
             simulated: boolean;
-            battery: components["schemas"]["RobotBattery"];
+            battery: components["schemas"]["Battery"];
             /** Battery Topic */
             battery_topic: string;
             battery_publisher: components["schemas"]["RobotPublisher"];
@@ -4845,25 +4855,6 @@ export interface components {
             /** Goals */
             goals: components["schemas"]["GoalState"][];
             last_goal: components["schemas"]["GoalState"] | null;
-        };
-        /**
-         * RobotBattery
-         * @description The latest battery state, with the time of reception instead of its age; otherwise as `GET /battery`.
-         */
-        RobotBattery: {
-            state: components["schemas"]["BatteryState"] | null;
-            /** Percentage */
-            percentage: number | null;
-            /** Implausible */
-            implausible: components["schemas"]["Implausible"][];
-            /** Received At */
-            received_at: string | null;
-            /** Stale */
-            stale: boolean;
-            /** Stale After S */
-            stale_after_s: number;
-            /** Low Below */
-            low_below: number;
         };
         /**
          * RobotJoin
@@ -5073,8 +5064,7 @@ export interface components {
          *
          *     `dock` is the face of the dock, with its x axis pointing into it. `docked` is the robot's target pose, `staging` the
          *     pose that it drives to first, and `marker` the last marker pose that the camera saw. `footprint` is the robot's
-         *     outline, null if it is not published. `odom` is where the robot's odometry began; null if that is unknown, and
-         *     missing in what an older gateway stored.
+         *     outline, null if it is not published. `odom` is where the robot's odometry began; null if that is unknown.
          */
         Scene: {
             /**
@@ -5083,7 +5073,6 @@ export interface components {
              */
             frame: "world" | "odom";
             robot: components["schemas"]["Pose"];
-            /** @default null */
             odom: components["schemas"]["Pose"] | null;
             dock: components["schemas"]["Pose"] | null;
             docked: components["schemas"]["Pose"] | null;
@@ -5811,7 +5800,7 @@ export interface components {
         };
         /**
          * Tags
-         * @description The tags of a goal, or of all goals, in alphabetical order.
+         * @description The tags of all goals, in alphabetical order.
          */
         Tags: {
             /** Tags */
@@ -11221,10 +11210,93 @@ export interface operations {
             };
         };
     };
-    replace_tags: {
+    get_tags: {
         parameters: {
             query?: never;
             header?: never;
+            path: {
+                goal_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    /** @description The version, for `If-Match` */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["GoalTags"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Misdirected Request */
+            421: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    /** @description Seconds after which it may succeed */
+                    "Retry-After"?: number;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    replace_tags: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description Entity tags: change it only if its version is one of these; `*`: if it exists */
+                "If-Match"?: string;
+            };
             path: {
                 goal_id: string;
             };
@@ -11241,10 +11313,12 @@ export interface operations {
             /** @description Successful Response */
             200: {
                 headers: {
+                    /** @description The version, for `If-Match` */
+                    ETag?: string;
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Tags"];
+                    "application/json": components["schemas"]["GoalTags"];
                 };
             };
             /** @description Bad Request */
@@ -11285,6 +11359,15 @@ export interface operations {
             };
             /** @description Request Timeout */
             408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Precondition Failed */
+            412: {
                 headers: {
                     [name: string]: unknown;
                 };
