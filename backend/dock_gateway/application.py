@@ -14,6 +14,7 @@ from dock_gateway import __version__
 from dock_gateway.access.authorization import authorize
 from dock_gateway.audit.trail import AuditTrail
 from dock_gateway.core.error_codes import CORE, ErrorCode
+from dock_gateway.http.asking import ask_for_own
 from dock_gateway.http.dashboard import install_dashboard
 from dock_gateway.http.docs import install_docs
 from dock_gateway.http.methods import AllowedMethods, HeadAsGet, allowed_methods
@@ -111,7 +112,10 @@ def _add_routes(app: FastAPI, routers: Sequence[APIRouter]) -> list[BaseRoute]:
     require_distinct(routes)
     require_declared(routes)
     for router in routers:
+        before = len(app.router.routes)
         app.include_router(router, dependencies=[Depends(authorize)])
+        for included in app.router.routes[before:]:
+            ask_for_own(included, [getattr(route, "path", "") for route in router.routes])
     return routes
 
 
