@@ -21,7 +21,7 @@ def robots(watch: bool) -> None:
         if not watch:
             _print_robots(client)
             return
-        for event in client.events(include="robots", feedback=False):
+        for event in client.events(include=["robots"], feedback=False):
             if event.type in ("snapshot", "robots"):
                 if not wanted("as_json"):
                     click.clear()

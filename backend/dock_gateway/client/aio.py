@@ -3,7 +3,7 @@
 import asyncio
 from collections.abc import AsyncGenerator, AsyncIterator, Generator, Mapping
 from contextlib import aclosing
-from typing import Any, Self, TypeVar
+from typing import Any, Self, TypeVar, Unpack
 
 import httpx2
 from websockets.asyncio.client import connect
@@ -99,7 +99,7 @@ class AsyncClient:
         """Set parameters of a node, all or none; return their values."""
         return await self.call(calls.set_parameters(node, values))
 
-    def events(self, *, after: str | None = None, **query: Any) -> AsyncGenerator[Event]:
+    def events(self, *, after: str | None = None, **query: Unpack[calls.EventQuery]) -> AsyncGenerator[Event]:
         """Yield events as they happen, first a snapshot; forever."""
         return self.read(ReadPosition(self.connection, query, after))
 
@@ -156,7 +156,7 @@ class AsyncGoalHandle:
                         yield event.document["feedback"]
             await self.refresh()
 
-    async def events(self, *, after: str | None = None, **query: Any) -> AsyncGenerator[Event]:
+    async def events(self, *, after: str | None = None, **query: Unpack[calls.GoalEventQuery]) -> AsyncGenerator[Event]:
         """Yield events until the goal ends, first a snapshot."""
         reading = ReadPosition(self._client.connection, {**query, "goal_id": self.id}, after)
         async with aclosing(self._client.read(reading)) as events:

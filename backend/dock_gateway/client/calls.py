@@ -1,9 +1,9 @@
 """The requests of both clients."""
 
 import uuid
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, TypedDict, TypeVar
 from urllib.parse import quote
 
 import orjson
@@ -14,6 +14,29 @@ T = TypeVar("T")
 # Seconds that an agent's goal waits for a person, and that a slow node may take to show its parameters, or to set them.
 APPROVAL, PARAMETERS, SET_PARAMETERS = 60.0, 15.0, 25.0
 Params = Mapping[str, str | int | float | bool | list[str]]
+
+
+class GoalEventQuery(TypedDict, total=False):
+    """What a stream of one goal has besides the goal's events, as docs/streams.md says.
+
+    Attributes:
+        robot: The robot that included events are about; by default the one that the gateway is configured for.
+        include: Types of further events, such as `["battery", "stop"]`.
+        feedback: Whether there is feedback, which is the default.
+        max_rate: The most events of feedback, battery, velocity and scene in a second, each.
+    """
+
+    robot: str | None
+    include: Sequence[str]
+    feedback: bool
+    max_rate: float | None
+
+
+class EventQuery(GoalEventQuery, total=False):
+    """Selects events: those of one goal, of one action or of the actions of one robot; by default those of all."""
+
+    goal_id: str | None
+    action: str | None
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ import math
 import os
 import ssl
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from random import uniform
 from typing import Any, TypeVar
@@ -244,7 +244,7 @@ class ReadPosition:
     """The position in a stream, where the next connection resumes; and the time until which it is read."""
 
     def __init__(
-        self, connection: Connection, query: dict[str, Any], after: str | None, deadline: float | None = None
+        self, connection: Connection, query: Mapping[str, object], after: str | None, deadline: float | None = None
     ) -> None:
         self._resumed = False
         self._connection = connection
@@ -257,7 +257,7 @@ class ReadPosition:
     @property
     def url(self) -> str:
         """The address of the stream, from where it was left."""
-        query = {**self._query, "after": self._after}
+        query: dict[str, Any] = {**self._query, "after": self._after}
         params = httpx2.QueryParams({name: value for name, value in query.items() if value is not None})
         return f"{self._connection.url.replace('http', 'ws', 1)}/ws/feedback?{params}"
 

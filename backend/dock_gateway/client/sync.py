@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Iterator, Mapping
-from typing import Any, Self, TypeVar
+from typing import Any, Self, TypeVar, Unpack
 
 import httpx2
 from websockets.exceptions import WebSocketException
@@ -136,12 +136,12 @@ class Client:
         """Set parameters of a node, all or none, if the gateway's settings allow it; return their values."""
         return self.call(calls.set_parameters(node, values))
 
-    def events(self, *, after: str | None = None, **query: Any) -> Iterator[Event]:
+    def events(self, *, after: str | None = None, **query: Unpack[calls.EventQuery]) -> Iterator[Event]:
         """Yield events as they happen, first a snapshot; forever. A lost connection resumes without a gap.
 
         Args:
             after: Id of the last event that is known. The events since then come first, instead of a snapshot.
-            query: Selects events, as docs/streams.md says: `goal_id`, `action`, `robot`, `include`, `max_rate`, …
+            query: Selects events, as docs/streams.md says.
         """
         return self.read(ReadPosition(self.connection, query, after))
 
@@ -210,7 +210,9 @@ class GoalHandle:
                     yield event.document["feedback"]
             self.refresh()
 
-    def events(self, *, after: str | None = None, timeout: float | None = None, **query: Any) -> Iterator[Event]:
+    def events(
+        self, *, after: str | None = None, timeout: float | None = None, **query: Unpack[calls.GoalEventQuery]
+    ) -> Iterator[Event]:
         """Yield events until the goal ends, first a snapshot. The arguments are those of `Client.events`.
 
         Raises:
@@ -218,7 +220,7 @@ class GoalHandle:
         """
         return self._events(after, query, _deadline(timeout))
 
-    def _events(self, after: str | None, query: dict[str, Any], deadline: float | None) -> Iterator[Event]:
+    def _events(self, after: str | None, query: calls.GoalEventQuery, deadline: float | None) -> Iterator[Event]:
         reading = ReadPosition(self._client.connection, {**query, "goal_id": self.id}, after, deadline)
         for event in self._client.read(reading):
             yield event

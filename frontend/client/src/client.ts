@@ -3,7 +3,7 @@ import { GoalHandle } from "./goal.ts";
 import { createHttp, deadline, type Http, named, newKey, settle, TIMEOUT_MS } from "./http.ts";
 import type { paths } from "./schema.gen.ts";
 import { EventStream } from "./stream.ts";
-import type { Battery, GatewayEvent, Goal, Include, Robot, StopReport } from "./types.ts";
+import type { BatteryAnswer, GatewayEvent, Goal, Include, Robot, StopReport } from "./types.ts";
 
 type Body<Path extends "/dock" | "/undock"> = NonNullable<
   paths[Path]["post"]["requestBody"]
@@ -106,7 +106,7 @@ export class Client {
   }
 
   /** The latest battery state of a robot. */
-  battery(robot?: string): Promise<Battery> {
+  battery(robot?: string): Promise<BatteryAnswer> {
     return this.repeat(() =>
       settle(this.http.GET("/battery", { params: { query: { robot } }, signal: deadline() })),
     );

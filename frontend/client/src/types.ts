@@ -21,6 +21,8 @@ export type Verb = NonNullable<Goal["verb"]>;
 export type GoalStatus = Schemas["GoalStatus"];
 export type GoalError = Schemas["GoalError"];
 export type Battery = Schemas["Battery"];
+/** What `GET /battery` answers: also the age of the state, and other topics with batteries. */
+export type BatteryAnswer = Schemas["BatteryAnswer"];
 export type BatteryState = Schemas["BatteryState"];
 export type Implausible = Schemas["Implausible"];
 export type BatteryStateInput = Schemas["BatteryStateInput"];

@@ -65,8 +65,8 @@ def test_the_token_is_sent_over_both_protocols(connection: Connection) -> None:
 
 
 def test_a_stream_resumes_after_the_largest_id_and_shows_no_event_twice(connection: Connection) -> None:
-    reading = ReadPosition(connection, {"goal_id": "g", "include": "battery"}, None)
-    assert reading.url.startswith("ws://robot.example:8000/ws/feedback?")
+    reading = ReadPosition(connection, {"goal_id": "g", "include": ["battery", "stop"]}, None)
+    assert reading.url == "ws://robot.example:8000/ws/feedback?goal_id=g&include=battery&include=stop"
     assert after(reading) is None
     assert reading.read(message("snapshot", id="3", goals=[]))
     assert after(reading) == "3"
