@@ -225,7 +225,9 @@ describe("goals of other actions", () => {
 
 function hearBattery(store: ReturnType<typeof renderPage>["store"]) {
   const time = new Date().toISOString();
-  act(() => store.onEvent({ ...batteryEvent(), time, battery: batteryDocument(battery, { received_at: time }) }));
+  act(() =>
+    store.onEvent({ ...batteryEvent(), time, battery: batteryDocument(battery, { received_at: time }) }),
+  );
 }
 
 describe("battery", () => {

@@ -241,6 +241,12 @@ def _one_of(schemas: dict[str, Any], union: Union) -> dict[str, Any]:
 
 # `openapi_extra` of an operation that may change with a minor version: docs/compatibility.md.
 UNSTABLE: dict[str, Any] = {"x-stability": "unstable"}
+# A parameter of operations that `read_key` reads.
+IDEMPOTENCY_KEY: dict[str, Any] = {
+    "name": "Idempotency-Key",
+    "in": "header",
+    "schema": {"type": "string", "minLength": 1, "maxLength": 200},
+}
 BATTERY_INPUT: dict[str, Any] = {"$ref": "#/components/schemas/BatteryStateInput"}
 
 

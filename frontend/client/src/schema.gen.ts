@@ -4019,8 +4019,8 @@ export interface components {
             started_at: string | null;
             /** Finished At */
             finished_at: string | null;
-            /** Mission Id */
-            mission_id: string;
+            /** Id */
+            id: string;
             waits_for: components["schemas"]["WaitsFor"] | null;
             /** Steps */
             steps: components["schemas"]["MissionStep"][];
@@ -8865,6 +8865,15 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Unprocessable Entity */
             422: {
                 headers: {
@@ -8893,7 +8902,9 @@ export interface operations {
                 /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
                 robot?: string | null;
             };
-            header?: never;
+            header?: {
+                "Idempotency-Key"?: string;
+            };
             path?: never;
             cookie?: never;
         };
@@ -8978,6 +8989,8 @@ export interface operations {
             /** @description Successful Response */
             201: {
                 headers: {
+                    /** @description Its path */
+                    Location?: string;
                     [name: string]: unknown;
                 };
                 content: {
@@ -9103,7 +9116,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description `mission_id` */
+                /** @description `id` of the mission */
                 mission_id: string;
             };
             cookie?: never;
@@ -9173,7 +9186,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description `mission_id` */
+                /** @description `id` of the mission */
                 mission_id: string;
             };
             cookie?: never;
@@ -9252,7 +9265,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description `mission_id` */
+                /** @description `id` of the mission */
                 mission_id: string;
             };
             cookie?: never;
@@ -9331,7 +9344,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description `mission_id` */
+                /** @description `id` of the mission */
                 mission_id: string;
             };
             cookie?: never;
@@ -9410,7 +9423,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description `mission_id` */
+                /** @description `id` of the mission */
                 mission_id: string;
             };
             cookie?: never;

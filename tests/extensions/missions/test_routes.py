@@ -17,10 +17,12 @@ from dock_gateway.extensions.missions.messages import Messages
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
 from dock_gateway.extensions.missions.missions import Missions
 from dock_gateway.extensions.missions.step import KINDS
+from dock_gateway.goals.known_robots import KnownRobots
 from dock_gateway.graph.publishing import FoundTopic, Publishing
 from dock_gateway.graph.service_calls import FoundService, ServiceCalls
 from tests.extensions.missions.examples import queued
 from tests.support.history import HistoryInMemory
+from tests.support.robot_actions import make_known_robots
 from tests.support.route_client import RouteClient
 
 PLAIN = {"steps": [{"dock": {}}, {"wait": {"seconds": 2}}, {"undock": {}}]}
@@ -75,7 +77,7 @@ class Client(RouteClient):
             messages=Messages(cast("Any", Services()), cast("Any", Topics())),
             interlock=cast("Any", self),
         )
-        super().__init__({Missions: self.missions})
+        super().__init__({Missions: self.missions, KnownRobots: make_known_robots(history, "/", "/robot2")})
 
     def docking_name(self, verb: str, robot: str) -> str:
         """Stand in for the actions of robots."""
@@ -101,7 +103,7 @@ class Client(RouteClient):
         return self.send("GET", f"/missions/{mission_id}", status, template="/missions/{mission_id}")
 
     def ids(self, query: str = "") -> list[str]:
-        return [mission["mission_id"] for mission in self.send("GET", f"/missions{query}")["missions"]]
+        return [mission["id"] for mission in self.send("GET", f"/missions{query}")["missions"]]
 
     def set(self, mission_id: str, **fields: Any) -> None:
         """Let a mission be in another state."""
@@ -123,7 +125,7 @@ def client() -> Iterator[Client]:
 def test_a_mission_is_queued_and_canceled(client: Client) -> None:
     answer = client.http.post("/missions", json=PLAIN | {"by": "Ada", "name": " Night "})
     mission = answer.json()
-    assert answer.headers["location"] == f"/missions/{mission['mission_id']}"
+    assert answer.headers["location"] == f"/missions/{mission['id']}"
     assert (mission["robot"], mission["status"], mission["name"], mission["created_by"]) == (
         "/",
         "queued",
@@ -131,10 +133,10 @@ def test_a_mission_is_queued_and_canceled(client: Client) -> None:
         "Ada",
     )
     assert [step["status"] for step in mission["steps"]] == ["waiting", "waiting", "waiting"]
-    assert client.get(mission["mission_id"]) == mission
-    assert client.change(mission["mission_id"], "cancel")["status"] == "canceled"
-    assert client.change(mission["mission_id"], "cancel", 409)["code"] == "mission_ended"
-    assert client.get(mission["mission_id"])["status"] == "canceled"
+    assert client.get(mission["id"]) == mission
+    assert client.change(mission["id"], "cancel")["status"] == "canceled"
+    assert client.change(mission["id"], "cancel", 409)["code"] == "mission_ended"
+    assert client.get(mission["id"])["status"] == "canceled"
     assert client.get(32 * "0", 404)["code"] == "mission_not_found"
 
 
@@ -175,19 +177,21 @@ def test_what_is_no_mission(client: Client, steps: list[Any], path: str) -> None
 
 def test_a_request_that_is_sent_twice(client: Client) -> None:
     first = client.post(**{"Idempotency-Key": "night"})
-    client.set(first["mission_id"], status=MissionStatus.SUCCEEDED)
+    client.set(first["id"], status=MissionStatus.SUCCEEDED)
     again = client.post(**{"Idempotency-Key": "night"})
-    assert (again["mission_id"], again["status"]) == (first["mission_id"], "succeeded")
+    assert (again["id"], again["status"]) == (first["id"], "succeeded")
     other = client.post(PLAIN | {"priority": 1}, 409, **{"Idempotency-Key": "night"})
     assert other["code"] == "idempotency_key_reused"
-    assert client.post()["mission_id"] != first["mission_id"]
+    assert client.post()["id"] != first["id"]
 
 
 def test_missions_are_listed(client: Client) -> None:
-    ids = [client.post(query=query)["mission_id"] for query in ("", "?robot=/robot1", "")]
+    ids = [client.post(query=query)["id"] for query in ("", "?robot=/robot1", "")]
     client.change(ids[0], "cancel")
     assert client.ids() == ids[::-1]
-    assert client.ids("?robot=/robot1") == [ids[1]]
+    assert client.ids("?robot=/robot1") == [ids[1]]  # it has left the graph
+    assert client.ids("?robot=/robot2") == []
+    assert client.send("GET", "/missions?robot=/robot11", 404)["code"] == "robot_not_found"
     assert client.ids("?status=canceled&status=running") == [ids[0]]
     page = client.send("GET", "/missions?limit=2")
     assert client.ids(f"?cursor={page['next_cursor']}") == [ids[0]]
@@ -195,7 +199,7 @@ def test_missions_are_listed(client: Client) -> None:
 
 
 def test_only_what_is_held_goes_on(client: Client) -> None:
-    mission_id = client.post()["mission_id"]
+    mission_id = client.post()["id"]
     for verb in ("continue", "skip"):
         assert client.change(mission_id, verb, 409)["code"] == "mission_not_held"
     assert client.change(mission_id, "pause")["held_for"] == "paused"

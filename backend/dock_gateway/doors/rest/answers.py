@@ -12,13 +12,11 @@ from dock_gateway.core.request import wait_while_permitted
 from dock_gateway.goals.action import Action
 from dock_gateway.goals.goal_documents import GoalDocuments
 from dock_gateway.goals.goal_path import GOAL
+from dock_gateway.http.openapi import IDEMPOTENCY_KEY
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.requests import Answer, json_response
 
-HEADERS = [
-    {"name": "Prefer", "in": "header", "schema": {"type": "string"}, "example": "wait=30"},
-    {"name": "Idempotency-Key", "in": "header", "schema": {"type": "string", "minLength": 1, "maxLength": 200}},
-]
+HEADERS = [{"name": "Prefer", "in": "header", "schema": {"type": "string"}, "example": "wait=30"}, IDEMPOTENCY_KEY]
 
 
 async def answer_sent(request: Request, parts: Parts, action: Action, goal: Goal, wait: float) -> Answer[Any]:

@@ -174,6 +174,15 @@ class MissionBook(SharedEntries[MissionEntry]):
             raise NotFound(f"there is no mission {mission_id}", code="mission_not_found")
         return mission
 
+    async def has(self, robot: str) -> bool:
+        """Return whether there is a mission of a robot.
+
+        Raises:
+            Unavailable: The history does not answer (`history_unavailable`).
+        """
+        missions = (*(await self._past.read()).values(), *(await self.read()).values())
+        return any(mission.robot == robot for mission in missions)
+
     async def document(self, mission_id: str, grant: Grant) -> Mapping[str, Any]:
         """Return a mission as `GET /missions/{mission_id}` shows it.
 

@@ -11,8 +11,9 @@ from dock_gateway.core.namespace import read_namespace
 from dock_gateway.extensions.missions.mission import MissionStatus
 from dock_gateway.extensions.missions.missions import Missions
 from dock_gateway.extensions.missions.schema import Mission, MissionBody, MissionList
+from dock_gateway.goals.known_robots import KnownRobots
 from dock_gateway.http.bodies import SignedBody
-from dock_gateway.http.openapi import UNSTABLE
+from dock_gateway.http.openapi import IDEMPOTENCY_KEY, UNSTABLE
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant, read_own_key
@@ -25,16 +26,22 @@ from dock_gateway.http.requests import (
     end_of_page,
     json_response,
 )
+from dock_gateway.http.resource import LOCATION_HEADER
 from dock_gateway.http.route import ApiRoute
 
 router = APIRouter(route_class=ApiRoute, tags=["Missions"], prefix="/missions")
 
-MissionId = Annotated[str, Path(description="`mission_id`", json_schema_extra={"pattern": "^[0-9a-f]{32}$"})]
+MissionId = Annotated[str, Path(description="`id` of the mission", json_schema_extra={"pattern": "^[0-9a-f]{32}$"})]
 OwnKey = Annotated[str | None, Depends(read_own_key)]
 StatusQuery = Annotated[list[MissionStatus] | None, Query(description="Only missions in these states")]
 
 
-@router.post("", status_code=201, openapi_extra=UNSTABLE)
+@router.post(
+    "",
+    status_code=201,
+    responses={201: {"headers": LOCATION_HEADER}},
+    openapi_extra=UNSTABLE | {"parameters": [IDEMPOTENCY_KEY]},
+)
 @operation(Role.OPERATOR, Scope.ROBOT, errors=(404, 409))
 async def create_mission(
     body: SignedBody[MissionBody],
@@ -56,9 +63,10 @@ async def create_mission(
 
 
 @router.get("", openapi_extra=UNSTABLE)
-@operation(Role.VIEWER, Scope.LISTED)
+@operation(Role.VIEWER, Scope.LISTED, errors=(404,))
 async def list_missions(
     missions: Part[Missions],
+    known_robots: Part[KnownRobots],
     grant: TheGrant,
     *,
     robot: AnyRobotQuery = None,
@@ -67,6 +75,7 @@ async def list_missions(
     cursor: CursorQuery = None,
 ) -> Answer[MissionList]:
     """List the missions, newest first: those that have not ended, and the last 1000 that have."""
+    await known_robots.require(robot, grant, missions.book.has)
     namespace = None if robot is None else read_namespace(robot)
     page, end = await missions.book.page(namespace, frozenset(status or ()), grant, limit, end_of_page(cursor))
     return json_response({"missions": page, "next_cursor": end and end.encode()})
