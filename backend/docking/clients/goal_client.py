@@ -23,6 +23,7 @@ from rclpy.utilities import remove_ros_args
 from unique_identifier_msgs.msg import UUID
 
 from docking.clients.session import ExitCode, Patience, Phase, Request, Session
+from docking.ros.given import given_to
 from docking.ros.process import Spinner, StopSignals, ros_context, run_process
 from robot_io.rclpy_private import goal_id_text
 
@@ -249,6 +250,7 @@ def _run(client: type[GoalClient], args: Sequence[str] | None) -> int:
     signals = StopSignals()
     with ros_context(args) as context:
         node = client(goal, patience=patience, on_over=signals.wake, context=context)
+        given_to(context).warn([node])
         with Spinner(context, [node], on_failure=signals.wake) as spinner:
             while node.exit_code is None and spinner.failure is None:
                 for _ in range(signals.wait()):

@@ -27,6 +27,7 @@ from docking.core.observation import Velocity
 from docking.goal.report import Level
 from docking.parameters import read_topics
 from docking.ros.geometry import pose_from, stamped_pose
+from docking.ros.given import given_to
 from docking.ros.parameters import declare_parameters
 from docking.ros.process import Spinner, StopSignals, ros_context, run_process
 from docking.ros.simulator_camera import SimulatorCamera
@@ -335,6 +336,7 @@ def _run(args: Sequence[str] | None) -> int:
     with ros_context(args) as context:
         simulator = DockSimulator(context=context)
         simulator.get_logger().info("Simulating a robot and its dock...")
+        given_to(context).warn([simulator])
         with Spinner(context, [simulator], on_failure=signals.wake) as spinner:
             signals.wait()
         return 0 if spinner.failure is None else 1

@@ -20,7 +20,7 @@ from rclpy.exceptions import ParameterException
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
-from docking.ros.given import given_to, read_arguments
+from docking.ros.given import read_arguments
 from robot_io.participants import create_context
 from robot_io.rclpy_private import (
     RCLError,
@@ -123,7 +123,6 @@ class Spinner:
         for node in nodes:
             always_answer(node, node.get_logger().error)
             self._executor.add_node(node)
-        given_to(context).warn(nodes)
         self._thread = threading.Thread(target=self._spin, name="ros", daemon=True)
 
     def _spin(self) -> None:

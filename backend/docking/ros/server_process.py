@@ -4,6 +4,7 @@ import faulthandler
 import time
 from collections.abc import Callable, Sequence
 from concurrent import futures
+from contextlib import ExitStack
 from functools import partial
 from typing import Any
 
@@ -12,6 +13,7 @@ from rclpy.node import Node
 
 from docking.core.battery import Battery
 from docking.ros.battery_subscriber import BatteryStateSubscriber
+from docking.ros.given import given_to
 from docking.ros.node import ActionNode
 from docking.ros.process import Spinner, StopSignals, ros_context, run_process
 from robot_io.halt import PERIOD
@@ -36,7 +38,7 @@ def serve(make_servers: MakeServers, args: Sequence[str] | None, make_others: Ma
     Args:
         make_servers: Makes the servers.
         args: The command line with its `--ros-args`; None is that of the process.
-        make_others: Makes other nodes that run in the same process.
+        make_others: Makes other nodes that run in the same process, in a thread of their own.
 
     Returns:
         The exit code: 0 after a signal, 1 after a failure, 2 where the command line or a parameter is wrong.
@@ -50,19 +52,24 @@ def _serve(make_servers: MakeServers, make_others: MakeNodes, args: Sequence[str
         battery = Battery()
         servers = make_servers(battery, context)
         subscriber = BatteryStateSubscriber(battery, context=context)
-        nodes: list[Any] = [*servers, subscriber, *make_others(context)]
+        others = make_others(context)
+        nodes: list[Any] = [*servers, subscriber, *others]
         if len({node.get_fully_qualified_name() for node in nodes}) < len(nodes):
             raise ValueError(
                 "-r __node:=… renames all nodes of this program alike. Name the node that is meant:"
                 f" -r {servers[0].own_name}:__node:=…"
             )
-        with Spinner(context, nodes, on_failure=signals.wake) as spinner:
+        given_to(context).warn(nodes)
+        with ExitStack() as stack:
+            # A wait costs as much as there is to wait for, and others, such as a simulator, wake up often.
+            groups = [group for group in (others, [*servers, subscriber]) if group]
+            spinners = [stack.enter_context(Spinner(context, group, on_failure=signals.wake)) for group in groups]
             try:
                 signals.wait()
             finally:
                 faulthandler.dump_traceback_later(EXIT_TIMEOUT, exit=True)  # needs neither the lock of Python nor DDS
-                _close(servers, spinner)
-        return 0 if spinner.failure is None else 1
+                _close(servers, spinners[-1])
+        return 0 if all(spinner.failure is None for spinner in spinners) else 1
 
 
 def _close(servers: Sequence[ActionNode[Any]], spinner: Spinner) -> None:

@@ -14,6 +14,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from action_tutorials_interfaces.action import Fibonacci as FibonacciAction
+from docking.ros.given import given_to
 from docking.ros.parameters import declare_parameters
 from docking.ros.process import Spinner, StopSignals, ros_context, run_process
 from docking.tutorial.fibonacci import Fibonacci, FibonacciSettings, check_order
@@ -116,6 +117,7 @@ def _run(args: Sequence[str] | None) -> int:
     signals = StopSignals()
     with ros_context(args) as context:
         server = FibonacciServer(context=context)
+        given_to(context).warn([server])
         with Spinner(context, [server], on_failure=signals.wake) as spinner:
             signals.wait()
             spinner.call(server.close).result(CLOSE_TIMEOUT)
