@@ -8,7 +8,7 @@ from typing import Any
 import orjson
 
 from tests.support.compatibility import METHODS
-from tests.support.contract import frozen_gateway
+from tests.support.contract import HUB, frozen_gateway, read
 
 ROOT = Path(__file__).parents[2]
 
@@ -65,3 +65,14 @@ def test_each_message_of_a_stream_is_on_a_page() -> None:
 
 def test_each_code_and_each_metric_is_on_a_page() -> None:
     assert missing(names("error ") | names("metric ")) == []
+
+
+def test_metrics_are_named_by_the_conventions_of_prometheus() -> None:
+    """What only grows is a `_total`, units are base units, and no name has the type in it."""
+    promised = frozen_gateway()["names"] | read(HUB)["names"]
+    found = {name: kind for name, kind in promised.items() if name.startswith("metric ")}
+    assert len(found) > 30
+    assert [name for name, kind in found.items() if name.endswith("_total") is not (kind == "counter")] == []
+    assert [name for name, kind in found.items() if kind == "histogram" and not name.endswith("_seconds")] == []
+    odd = re.compile("milli|micro|minute|hour|day|_ms|_mb|percent|counter|gauge|histogram|summary|[A-Z]")
+    assert [name for name in found if odd.search(name)] == []

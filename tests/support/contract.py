@@ -66,7 +66,8 @@ def of_hub() -> Document:
         del found["paths"][path]
     _add_settings(found, HubSettings)
     _add_commands(found, {entry.name: entry.load() for entry in entry_points(group=GROUP)})
-    found["names"] |= _codes(CODES)
+    page = (ROOT / "docs/extensions/sites.md").read_text()
+    found["names"] |= _codes(CODES) | {f"metric {metric}": kind for metric, kind in METRICS.findall(page)}
     return _reachable(found)
 
 
@@ -214,11 +215,12 @@ def _messages(asyncapi: Document) -> dict[str, str]:
 
 def _metrics(names: Iterable[str]) -> dict[str, str]:
     """Return the metrics with their types, by the page, which a test compares with a gateway."""
+    core = _source(ROOT / "backend/dock_gateway/observability")
     sources = {name: _source(ROOT / "backend/dock_gateway/extensions" / name) for name in OURS}
     found = {}
     for metric, kind in METRICS.findall((ROOT / "docs/metrics.md").read_text()):
         bare = metric.removeprefix("dock_gateway_").removesuffix("_total")
-        owners = [name for name, source in sources.items() if f'"{bare}"' in source]
+        owners = [name for name, source in sources.items() if f'"{bare}"' in source and f'"{bare}"' not in core]
         if not owners or set(owners) & set(names):
             found[f"metric {metric}"] = kind
     return found
