@@ -477,6 +477,30 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/automation/holds": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Holds
+         * @description List the robots that were stopped while a rule was on: no rule docks them until they are released from here.
+         */
+        get: operations["list_holds"];
+        put?: never;
+        post?: never;
+        /**
+         * End Hold
+         * @description Let the rules go on with a robot that was stopped; also if none is held. A stop has to be released before.
+         */
+        delete: operations["end_hold"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/missions": {
         parameters: {
             query?: never;
@@ -3743,6 +3767,27 @@ export interface components {
             last_error: string | null;
         };
         /**
+         * Hold
+         * @description A robot that was stopped: no rule docks it until somebody lets the rules go on.
+         */
+        Hold: {
+            /**
+             * Held At
+             * Format: date-time
+             */
+            held_at: string;
+            /** Robot */
+            robot: string;
+        };
+        /**
+         * HoldList
+         * @description The robots that were stopped, by name.
+         */
+        HoldList: {
+            /** Holds */
+            holds: components["schemas"]["Hold"][];
+        };
+        /**
          * HoldReason
          * @description Why a mission does not go on until a person continues it.
          *
@@ -6034,7 +6079,7 @@ export interface components {
          * @description Why a rule does not dock a robot now.
          * @enum {string}
          */
-        WaitReason: "off" | "battery_ok" | "battery_unknown" | "not_due" | "docked" | "server_unavailable" | "shared_action" | "goal_running" | "goal_lost" | "at_work" | "quiet_period" | "not_idle" | "retry_later" | "reported" | "stop_latched" | "gave_up" | "deciding" | "history_unavailable";
+        WaitReason: "off" | "battery_ok" | "battery_unknown" | "not_due" | "docked" | "server_unavailable" | "shared_action" | "goal_running" | "goal_lost" | "at_work" | "quiet_period" | "stopped" | "not_idle" | "retry_later" | "reported" | "stop_latched" | "gave_up" | "deciding" | "history_unavailable";
         /**
          * WaitStep
          * @description One thing to wait for.
@@ -8792,6 +8837,141 @@ export interface operations {
             };
             /** @description Not Found */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    /** @description Seconds after which it may succeed */
+                    "Retry-After"?: number;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_holds: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HoldList"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    /** @description Seconds after which it may succeed */
+                    "Retry-After"?: number;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    end_hold: {
+        parameters: {
+            query?: {
+                /** @description Namespace of the robot, such as `/robot1`; by default that of the configured one */
+                robot?: string | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Misdirected Request */
+            421: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -3,6 +3,7 @@
 /** By request, but for those that every user may make: the least role, and whether it is about every robot. */
 export const OPERATIONS = {
   "DELETE /alerts/{alert_id}/acknowledgement": ["operator", false],
+  "DELETE /automation/holds": ["supervisor", false],
   "DELETE /automation/rules/{rule_id}": ["supervisor", true],
   "DELETE /battery/publisher": ["supervisor", false],
   "DELETE /goals/{goal_id}/notes/{note_id}": ["operator", false],

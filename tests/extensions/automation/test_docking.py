@@ -21,6 +21,7 @@ from dock_gateway.extensions.automation.decision import DecisionEntry, DecisionO
 from dock_gateway.extensions.automation.decisions import DecisionLog
 from dock_gateway.extensions.automation.docking import AutomaticDocking
 from dock_gateway.extensions.automation.facts import FactReader
+from dock_gateway.extensions.automation.holds import HoldEntry, Holds
 from dock_gateway.extensions.automation.rule import BatteryCondition, RuleEntry
 from dock_gateway.extensions.automation.rules import DockingRules
 from dock_gateway.fleet.fleet import Fleet
@@ -30,7 +31,7 @@ from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.robots.labels import NO_LABEL
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.storage import History
-from dock_gateway.storage.shared_entries import SharedBook
+from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
 from tests.extensions.automation.examples import LOW_BATTERY, changed, decision_entry
 from tests.support.entries import SharedStore
 from tests.support.history import HistoryInMemory
@@ -98,6 +99,7 @@ class Site:
         self.gateways: list[AutomaticDocking] = []
         self.activities: list[Activity] = []  # of each of them
         self.history = HistoryInMemory()
+        self.held: SharedStore[HoldEntry] = SharedStore()
         self.fanout = Fanout(queue_limit=10)
 
     def activity(self) -> Activity:
@@ -110,10 +112,13 @@ class Site:
     def gateway(self, sync_every: int = 2) -> DockingRules:
         fleet, activity = cast("Fleet", self.robot), self.activity()
         rules = DockingRules(fleet, SharedBook(self.rules, "rule", 50), DecisionLog(self.fanout, self.stored))
+        robots = SimpleNamespace(owner=lambda _: SimpleNamespace(namespace=ROBOT))
+        self.holds = Holds(cast("RobotRegistry", robots), rules, SharedEntries(self.held))
         gateway = AutomaticDocking(
             rules,
-            FactReader(fleet, activity),
+            FactReader(fleet, activity, held=self.holds.has),
             activity,
+            self.holds,
             actions=cast("ActionRegistry", self.robot),
             robot_actions=cast("RobotActions", self.robot),
             history=cast("History", self.history),
@@ -140,6 +145,49 @@ async def site() -> AsyncIterator[Site]:
     yield site
     for gateway in site.gateways:
         await gateway.close()
+
+
+async def waits(rules: DockingRules) -> list[str]:
+    (rule,) = await rules.documents()
+    return [robot["waits_for"] for robot in rule["applies_to"]]
+
+
+async def test_no_rule_docks_a_robot_that_was_stopped_until_somebody_says_so(site: Site) -> None:
+    rules = site.gateway()
+    site.holds.hold(ROBOT)
+    assert not site.holds.has(ROBOT), "no rule is on"
+    site.robot.stop["latched"] = True
+    await rules.replace("low", AT_ONCE)
+    site.holds.hold(ROBOT)
+    await site.decided()
+    site.robot.stop["latched"] = False
+    site.holds.hold(ROBOT)
+    other = site.gateway()  # or this one, after a restart
+    await until(lambda: site.holds.has(ROBOT))
+    await asyncio.sleep(0.1)
+    assert (await waits(rules), await waits(other)) == (["stopped"], ["stopped"])
+    assert site.robot.sent == []
+    await site.holds.end(ROBOT)
+    await site.decided(2)
+    assert len(site.robot.sent) == 1
+
+
+@pytest.mark.parametrize("origin", ["gateway", "external", "automation"])
+@pytest.mark.parametrize("status", [GoalStatus.SUCCEEDED, GoalStatus.ABORTED, GoalStatus.CANCELED])
+async def test_who_has_driven_the_robot_since_has_let_the_rules_go_on(
+    site: Site, origin: Any, status: GoalStatus
+) -> None:
+    rules = site.gateway()
+    await rules.replace("low", changed(LOW_BATTERY, mode=RuleMode.DRY_RUN))
+    before = Goal("a", f"{ROBOT}/dock", "pkg/action/Dock", utc_now(), origin)
+    site.holds.hold(ROBOT)
+    after = Goal("b", f"{ROBOT}/dock", "pkg/action/Dock", utc_now(), origin)
+    for goal in (before, after):
+        goal.advance(status, utc_now())
+    site.holds.on_end(before)
+    assert site.holds.has(ROBOT)
+    site.holds.on_end(after)
+    assert site.holds.has(ROBOT) is (origin == "automation" or status is not GoalStatus.SUCCEEDED)
 
 
 async def test_no_goal_is_sent_to_a_server_that_robots_share(site: Site) -> None:

@@ -54,6 +54,8 @@ def test_both_conditions_hold_for_the_whole_time(site: Site) -> None:
         ({"goal_lost": True}, WaitReason.GOAL_LOST),
         ({"at_work": True}, WaitReason.AT_WORK),
         ({"person_at": 1.0}, WaitReason.QUIET_PERIOD),
+        ({"held": True}, WaitReason.STOPPED),
+        ({"held": True, "person_at": 1.0}, WaitReason.STOPPED),
         ({"still_since": None}, WaitReason.NOT_IDLE),
         ({"still_since": 50.0}, WaitReason.NOT_IDLE),
         ({"failed_at": NOON}, WaitReason.RETRY_LATER),
@@ -72,9 +74,10 @@ def test_a_latched_stop_holds_the_robot_and_is_recorded_once(site: Site) -> None
     assert (held.outcome, held.code, held.detail) == (DecisionOutcome.HELD, "stop_latched", "stopped by Ada")
     assert site.look(3600, stopped) == []
     assert site.waits() is WaitReason.STOP_LATCHED
-    released = robot(person_at=3601.0, still_since=3601.0)
-    assert site.look(3660, released) == []
-    assert site.look(3661, released) == [DecisionOutcome.SENT]
+    assert site.look(3601, robot(held=True, still_since=3601.0)) == []
+    assert site.look(7200, robot(held=True, still_since=3601.0)) == []
+    assert site.waits() is WaitReason.STOPPED
+    assert site.look(7201, robot(still_since=3601.0)) == [DecisionOutcome.SENT]
 
 
 def test_a_dry_run_records_once_and_sends_nothing(site: Site) -> None:

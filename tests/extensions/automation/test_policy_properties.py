@@ -24,6 +24,7 @@ steps = st.tuples(
     likely,  # unreachable
     likely,  # goal running
     likely,  # stopped
+    likely,  # stopped before, and nobody has let the rules go on
     ages,  # of stillness
     ages,  # of a person's doing
     st.sampled_from([DecisionOutcome.SENT, DecisionOutcome.REFUSED]),
@@ -40,7 +41,7 @@ def test_what_always_holds(history: list[tuple[object, ...]], low: RuleMode, lun
     sent: list[tuple[datetime, DecisionEntry]] = []
     since_recovery: defaultdict[str, int] = defaultdict(int)
     for step in history:
-        pause, battery, stale, docked, unreachable, goal, stopped, still, person, outcome = step
+        pause, battery, stale, docked, unreachable, goal, stopped, held, still, person, outcome = step
         seconds += pause  # type: ignore[operator]
         facts = RobotFacts(
             "/robot1",
@@ -50,6 +51,7 @@ def test_what_always_holds(history: list[tuple[object, ...]], low: RuleMode, lun
             reachable=not unreachable,
             goal_running=bool(goal),
             stopped="stopped" if stopped else None,
+            held=bool(held),
             still_since=None if still is None else seconds - still,  # type: ignore[operator]
             person_at=None if person is None else seconds - person,  # type: ignore[operator]
         )
@@ -76,6 +78,7 @@ def check_facts(rule: RuleEntry, facts: RobotFacts, seconds: float) -> None:
     """What must speak for docking a robot."""
     assert rule.mode is RuleMode.ON
     assert facts.stopped is None
+    assert not facts.held
     assert facts.fresh
     assert facts.reachable
     assert not facts.docked

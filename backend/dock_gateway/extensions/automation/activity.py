@@ -58,7 +58,7 @@ class Activity:
             self.active(robot)
 
     def intervened(self, robot: str) -> None:
-        """Note that a person has stopped or released a robot, or canceled its goal."""
+        """Note that a person has canceled a goal of a robot."""
         self._person_at[robot] = time.monotonic()
         self.active(robot)
 

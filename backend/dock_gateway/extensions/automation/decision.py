@@ -91,6 +91,7 @@ class WaitReason(StrEnum):
     GOAL_LOST = "goal_lost"
     AT_WORK = "at_work"
     QUIET_PERIOD = "quiet_period"
+    STOPPED = "stopped"
     NOT_IDLE = "not_idle"
     RETRY_LATER = "retry_later"
     REPORTED = "reported"

@@ -13,6 +13,7 @@ from dock_gateway.core.tasks import Tasks
 from dock_gateway.extensions.automation.activity import Activity
 from dock_gateway.extensions.automation.decision import DecisionEntry, DecisionOutcome, WaitReason
 from dock_gateway.extensions.automation.facts import FactReader
+from dock_gateway.extensions.automation.holds import Holds
 from dock_gateway.extensions.automation.policy import DockingPolicy, RobotFacts
 from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.extensions.automation.rules import DockingRules
@@ -37,6 +38,7 @@ class AutomaticDocking:
         rules: The rules and their decisions.
         facts: Reads what the rules go by.
         activity: Since when robots stand still.
+        holds: Which of them were stopped.
         actions: All actions.
         robot_actions: Which of them dock each robot.
         history: Finds goals that were sent before a restart.
@@ -49,6 +51,7 @@ class AutomaticDocking:
         rules: DockingRules,
         facts: FactReader,
         activity: Activity,
+        holds: Holds,
         *,
         actions: ActionRegistry,
         robot_actions: RobotActions,
@@ -63,6 +66,7 @@ class AutomaticDocking:
         self._decisions = rules.decisions
         self._facts = facts
         self._activity = activity
+        self._holds = holds
         self._actions = actions
         self._robot_actions = robot_actions
         self._history = history
@@ -116,8 +120,10 @@ class AutomaticDocking:
             self._spawn(decision, self._resolve(identity, decision))
 
     async def _sync(self) -> None:
-        """Read the rules of other gateways, and their decisions if these may count."""
+        """Read the rules of other gateways, and their decisions and holds if these may count."""
         answers = await self._book.sync()
+        if answers and self._rules.any_on:
+            await self._holds.sync()
         if answers and (
             self._rules.any_on or self._checks == 0 or self._decisions.unsaved or self._decisions.given_up()
         ):
@@ -159,6 +165,7 @@ class AutomaticDocking:
 
     async def _send(self, identity: str, decision: DecisionEntry) -> DecisionEntry:
         """Send the goal of a claimed decision, unless something has changed since; return what came of it."""
+        await self._holds.sync()
         if not await self._book.sync():
             return decision.model_copy(update={"outcome": DecisionOutcome.REFUSED, "code": "history_unavailable"})
         # No wait from here to the submission, which notices every stop that comes later.

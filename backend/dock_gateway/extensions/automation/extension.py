@@ -12,6 +12,7 @@ from dock_gateway.extensions.automation.decisions import DecisionLog
 from dock_gateway.extensions.automation.docking import AutomaticDocking
 from dock_gateway.extensions.automation.error_codes import CODES
 from dock_gateway.extensions.automation.facts import FactReader
+from dock_gateway.extensions.automation.holds import HoldEntry, Holds
 from dock_gateway.extensions.automation.routes import router
 from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.extensions.automation.rules import MAX_RULES, DockingRules
@@ -30,7 +31,7 @@ from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.settings import Settings
 from dock_gateway.stop.stopper import Stopper
 from dock_gateway.storage import History
-from dock_gateway.storage.shared_entries import SharedBook
+from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
 
 GAVE_UP = AlertKind("automatic_docking_failed")
 
@@ -42,19 +43,23 @@ async def open_automation(parts: Parts) -> AsyncIterator[DockingRules]:
         robots, actions, history = parts[RobotRegistry], parts[ActionRegistry], parts[History]
         fleet, graph_watch = parts[Fleet], parts[GraphWatch]
         activity = Activity(robots)
-        stack.enter_context(actions.on_end.adding(activity.on_end))
-        stack.enter_context(parts[Stopper].on_stop.adding(activity.intervened))
-        stack.enter_context(parts[Interlock].on_release.adding(activity.intervened))
         closed_by(
             stack, OnDemand(robots.topics.bridge, activity, "motion", lambda robot: _follow(parts, activity, robot))
         )
         decisions = DecisionLog(parts[Fanout], history.documents("decision", DecisionEntry))
         stack.enter_context(parts[AlertBoard].sources.adding(lambda: gave_up(decisions, robots.namespaces())))
         rules = DockingRules(fleet, SharedBook(history.documents("rule", RuleEntry), "rule", MAX_RULES), decisions)
+        holds = parts.add(Holds, Holds(robots, rules, SharedEntries(history.documents("hold", HoldEntry))))
+        for on_end in (activity.on_end, holds.on_end):
+            stack.enter_context(actions.on_end.adding(on_end))
+        for on_stop in (activity.active, holds.hold):
+            stack.enter_context(parts[Stopper].on_stop.adding(on_stop))
+            stack.enter_context(parts[Interlock].on_release.adding(on_stop))
         docking = AutomaticDocking(
             rules,
-            FactReader(fleet, activity, lambda: graph_watch.shared, robots.is_at_work),
+            FactReader(fleet, activity, lambda: graph_watch.shared, robots.is_at_work, holds.has),
             activity,
+            holds,
             actions=actions,
             robot_actions=parts[RobotActions],
             history=history,

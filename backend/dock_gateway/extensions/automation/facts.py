@@ -24,6 +24,7 @@ class FactReader:
         activity: Since when robots stand still.
         shared: Returns the robots that may be other names of one robot.
         at_work: Returns whether a robot has work that must not be interrupted.
+        held: Returns whether a robot was stopped, and nobody has let the rules go on since.
     """
 
     def __init__(
@@ -32,11 +33,13 @@ class FactReader:
         activity: Activity,
         shared: Callable[[], Collection[str]] = frozenset,
         at_work: Callable[[str], bool] = lambda _: False,
+        held: Callable[[str], bool] = lambda _: False,
     ) -> None:
         self._fleet = fleet
         self._activity = activity
         self._shared = shared
         self._at_work = at_work
+        self._held = held
         self._off_since: dict[str, float] = {}  # docked robots whose batteries discharge
 
     def read(self) -> dict[str, RobotFacts]:
@@ -67,6 +70,7 @@ class FactReader:
             goal_lost=bool(state.lost),
             at_work=self._at_work(name),
             stopped=_stopped(state.stop),
+            held=self._held(name),
             still_since=self._activity.still_since(name),
             person_at=self._activity.person_at(name),
             failed_at=last.finished_at if last is not None and failed else None,

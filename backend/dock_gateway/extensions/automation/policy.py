@@ -13,7 +13,7 @@ from dock_gateway.extensions.automation.past import MAX_ATTEMPTS, RETRY_INTERVAL
 from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.extensions.automation.schedule import last_due, next_due
 
-# Seconds without automatic docking after a person canceled a goal of the robot, stopped it or released its stop.
+# Seconds without automatic docking after a person canceled a goal of the robot.
 QUIET_PERIOD = 60.0
 # How far (0 to 1) the battery must rise above the limit to count as recovered.
 RECOVERY_MARGIN = 0.05
@@ -46,7 +46,8 @@ class RobotFacts:
         stopped: Which stop is latched for it, in words; None if none is.
         still_since: Since when it was not seen to move or to run a goal, in seconds on a monotonic clock;
             None if its velocity is not heard.
-        person_at: When a person last canceled, stopped or released it, on the same clock; None if never.
+        held: Whether it was stopped, and nobody has let the rules go on since.
+        person_at: When a person last canceled a goal of it, on the same clock; None if never.
         failed_at: When its last docking goal ended, if it did not succeed.
     """
 
@@ -62,6 +63,7 @@ class RobotFacts:
     goal_lost: bool = False
     at_work: bool = False
     stopped: str | None = None
+    held: bool = False
     still_since: float | None = None
     person_at: float | None = None
     failed_at: datetime | None = None
@@ -251,6 +253,7 @@ def _obstacle(rule: RuleEntry, robot: RobotFacts, low_since: float | None, secon
         WaitReason.GOAL_RUNNING: robot.goal_running,
         WaitReason.GOAL_LOST: robot.goal_lost,
         WaitReason.AT_WORK: robot.at_work,
+        WaitReason.STOPPED: robot.held and robot.stopped is None,
         WaitReason.QUIET_PERIOD: robot.stopped is None
         and robot.person_at is not None
         and seconds - robot.person_at < QUIET_PERIOD,

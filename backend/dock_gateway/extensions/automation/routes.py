@@ -7,9 +7,10 @@ from starlette.responses import Response
 
 from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
+from dock_gateway.extensions.automation.holds import Holds
 from dock_gateway.extensions.automation.rule import RuleBody
 from dock_gateway.extensions.automation.rules import DockingRules
-from dock_gateway.extensions.automation.schema import DecisionList, Rule, RuleList
+from dock_gateway.extensions.automation.schema import DecisionList, HoldList, Rule, RuleList
 from dock_gateway.goals.known_robots import KnownRobots
 from dock_gateway.http.bodies import SignedBody
 from dock_gateway.http.operation import Scope, operation
@@ -22,6 +23,7 @@ from dock_gateway.http.requests import (
     AnyRobotQuery,
     CursorQuery,
     LimitQuery,
+    RobotQuery,
     end_of_page,
     json_response,
     read_goal_id,
@@ -29,6 +31,7 @@ from dock_gateway.http.requests import (
 )
 from dock_gateway.http.resource import ChangeCondition, Item, WriteCondition, item_response, removed
 from dock_gateway.http.route import ApiRoute
+from dock_gateway.robots.registry import RobotRegistry
 
 router = APIRouter(route_class=ApiRoute, tags=["Automatic docking"], prefix="/automation")
 
@@ -103,3 +106,18 @@ async def list_decisions(
         grant=grant,
     )
     return json_response({"decisions": found, "next_cursor": end and end.encode()})
+
+
+@router.get("/holds")
+@operation(Role.VIEWER, Scope.LISTED)
+async def list_holds(holds: Part[Holds], grant: TheGrant) -> Answer[HoldList]:
+    """List the robots that were stopped while a rule was on: no rule docks them until they are released from here."""
+    return json_response({"holds": [hold for hold in holds.documents() if grant.covers_robot(hold["robot"])]})
+
+
+@router.delete("/holds", status_code=204)
+@operation(Role.SUPERVISOR, Scope.ROBOT, errors=(404,))
+async def end_hold(holds: Part[Holds], robots: Part[RobotRegistry], robot: RobotQuery = None) -> Response:
+    """Let the rules go on with a robot that was stopped; also if none is held. A stop has to be released before."""
+    await holds.end(robots.find(robot))
+    return Response(status_code=204)

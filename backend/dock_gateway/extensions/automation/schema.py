@@ -6,6 +6,7 @@ from typing import Literal
 from pydantic import ConfigDict
 
 from dock_gateway.extensions.automation.decision import DecisionFields, WaitReason
+from dock_gateway.extensions.automation.holds import HoldEntry
 from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.http.resource import Versioned
 from dock_gateway.http.schema import Identified, Schema
@@ -69,6 +70,18 @@ class DecisionList(Schema):
 
     decisions: list[Decision]
     next_cursor: str | None
+
+
+class Hold(HoldEntry):
+    """A robot that was stopped: no rule docks it until somebody lets the rules go on."""
+
+    robot: str
+
+
+class HoldList(Schema):
+    """The robots that were stopped, by name."""
+
+    holds: list[Hold]
 
 
 class AutomationEvent(FleetEvent):

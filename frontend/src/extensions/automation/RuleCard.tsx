@@ -1,4 +1,4 @@
-import { Anchor, List, SegmentedControl, Stack, Text } from "@mantine/core";
+import { Anchor, Button, List, SegmentedControl, Stack, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { useState } from "react";
 import { Link } from "react-router";
@@ -68,6 +68,8 @@ export function RuleCard({ rule, onEdit }: { rule: Rule; onEdit: () => void }) {
 /** The robots that a rule applies to now, and what it waits for. */
 function RobotWaits({ rule }: { rule: Rule }) {
   const naming = useNaming();
+  const reason = useWhyNot("DELETE /automation/holds");
+  const { goOn } = useRuleCommands();
   const count = rule.applies_to.length;
   if (count === 0) {
     return (
@@ -77,7 +79,7 @@ function RobotWaits({ rule }: { rule: Rule }) {
     );
   }
   return (
-    <details className={classes.waits}>
+    <details className={classes.waits} open={rule.mode !== "off" && rule.applies_to.some(isStopped)}>
       <summary>Applies to {count === 1 ? "one robot" : `${count} robots`} now</summary>
       <ul>
         {rule.applies_to.map(({ robot, waits_for }) => (
@@ -90,11 +92,29 @@ function RobotWaits({ rule }: { rule: Rule }) {
                 {WAITS[waits_for]}
               </Text>
             )}
+            {rule.mode !== "off" && isStopped({ waits_for }) && (
+              <Button
+                size="compact-sm"
+                variant="default"
+                aria-label={`Continue automatic docking of ${naming.fullNameOf(robot)}`}
+                disabled={reason !== null || goOn.isPending}
+                title={reason ?? undefined}
+                onClick={() => goOn.mutate(robot)}
+              >
+                Continue
+              </Button>
+            )}
           </li>
         ))}
       </ul>
+      <CommandErrorAlert command="Continuing" error={goOn.error} onClose={goOn.reset} />
     </details>
   );
+}
+
+/** Whether a person has to let the rules go on. */
+function isStopped({ waits_for }: Pick<Rule["applies_to"][number], "waits_for">): boolean {
+  return waits_for === "stopped";
 }
 
 interface SwitchOnProps {

@@ -29,6 +29,11 @@ export async function deleteRule(http: Http, rule: Rule): Promise<void> {
   await settle(http.DELETE("/automation/rules/{rule_id}", { params, signal: deadline() }));
 }
 
+/** Lets the rules go on with a robot that was stopped. */
+export async function endHold(http: Http, robot: string): Promise<void> {
+  await settle(http.DELETE("/automation/holds", { params: { query: { robot } }, signal: deadline() }));
+}
+
 /** The newest first. @param goalId Only the decision that sent this goal. */
 export async function listDecisions(http: Http, goalId?: string): Promise<Decision[]> {
   const query = goalId === undefined ? { limit: 50 } : { goal_id: goalId };

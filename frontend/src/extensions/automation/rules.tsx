@@ -9,6 +9,7 @@ import { useAnswer, useCommand } from "../../ui/requests";
 import {
   type Decision,
   deleteRule,
+  endHold,
   listDecisions,
   listRules,
   putRule,
@@ -87,7 +88,11 @@ export function useRuleCommands() {
     await deleteRule(http, removed).catch(renewed);
     await change((rules) => rules.filter(({ id }) => id !== removed.id));
   });
-  return { save, remove };
+  const goOn = useCommand(async (robot: string) => {
+    await endHold(http, robot);
+    await client.invalidateQueries({ queryKey: RULES });
+  });
+  return { save, remove, goOn };
 }
 
 /** The rules that dock a robot by themselves; nothing where there are none. */

@@ -56,6 +56,13 @@ function answering(rules: Rule[], decisions: Decision[] = []) {
     const id = pathname.split("/")[3] ?? "";
     if (pathname === "/automation/decisions") return Response.json({ decisions });
     if (pathname === "/automation/rules") return Response.json({ rules });
+    if (pathname === "/automation/holds" && request.method === "DELETE") {
+      const goesOn = new URL(request.url).searchParams.get("robot");
+      const waiting = (each: Rule["applies_to"][number]) =>
+        each.robot === goesOn ? { ...each, waits_for: "not_idle" as const } : each;
+      rules = rules.map((rule) => ({ ...rule, applies_to: rule.applies_to.map(waiting) }));
+      return new Response(null, { status: 204 });
+    }
     if (!pathname.startsWith("/automation/rules/")) return Response.json({}, { status: 404 });
     const body = request.method === "PUT" ? ((await request.json()) as RuleBody) : null;
     stored.push({ id, body });
@@ -158,6 +165,16 @@ describe("the page", () => {
         ["on", "Bob"],
       ]),
     );
+  });
+
+  it("lets a rule go on with a robot that was stopped", async () => {
+    const applies_to = ["/robot1", "/robot2"].map((robot) => ({ robot, waits_for: "stopped" as const }));
+    answering([{ ...LOW, mode: "on", applies_to }]);
+    const { user } = open();
+    await user.click(await screen.findByRole("button", { name: "Continue automatic docking of /robot1" }));
+    expect(await screen.findByText("Not idle long enough")).toBeDefined();
+    expect(screen.queryByRole("button", { name: "Continue automatic docking of /robot1" })).toBeNull();
+    expect(screen.getByRole("button", { name: "Continue automatic docking of /robot2" })).toBeDefined();
   });
 
   it("adds a rule, which is off, and says what is missing first", async () => {

@@ -105,7 +105,15 @@ def test_a_stop_holds_a_robot_that_should_dock(domain: int) -> None:
         assert held["detail"].startswith("stopped by Bob at ")
         assert goals(gateway) == []
         gateway.http.delete("/stop").raise_for_status()
-        wait_until(lambda: waits_for(gateway) == ["quiet_period"], "the time that a person has")
+        wait_until(lambda: waits_for(gateway) == ["stopped"], "somebody to say that it goes on")
+        (hold,) = gateway.http.get("/automation/holds").raise_for_status().json()["holds"]
+        assert hold["robot"] == "/"
+        unknown = gateway.http.delete("/automation/holds?robot=/nobody")
+        assert (unknown.status_code, unknown.json()["code"]) == (404, "robot_not_found")
+        for _ in range(2):
+            assert gateway.http.delete("/automation/holds").status_code == 204
+        assert gateway.http.get("/automation/holds").json() == {"holds": []}
+        wait_until(lambda: waits_for(gateway) == ["not_idle"], "idle time")
         gateway.http.delete("/battery/publisher").raise_for_status()
         wait_until(lambda: waits_for(gateway) == ["battery_unknown"], "silence")
         assert goals(gateway) == []
