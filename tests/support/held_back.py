@@ -3,6 +3,7 @@
 import asyncio
 import re
 from collections.abc import Awaitable, Callable
+from functools import cache
 from types import SimpleNamespace
 from typing import Any
 
@@ -30,11 +31,20 @@ PASSWORD = "correct horse battery staple"
 Change = Callable[["Site"], Awaitable[Any]]
 
 
+SETTINGS = Settings(authentication=True, database_url="sqlite:////nowhere", body_timeout=1.0)
+
+
+@cache
+def _app() -> FastAPI:
+    """The application, which takes a while to make; the parts of a gateway come with each request."""
+    return create_app(SETTINGS, Refusing(audit_parts()))
+
+
 class Site:
     """A gateway with an admin, and nothing else; requests that are sent piece by piece."""
 
     def __init__(self) -> None:
-        self.settings = Settings(authentication=True, database_url="sqlite:////nowhere", body_timeout=1.0)
+        self.settings = SETTINGS
         self.history = history = HistoryInMemory()
         self.logins = Logins(history)
         self.audit = AuditList()
@@ -54,7 +64,7 @@ class Site:
                 RobotActions: SimpleNamespace(choose_actions=self._all_actions, homed_in=lambda _: frozenset()),
             }
         )
-        self.app: FastAPI = create_app(self.settings, self.parts)
+        self.app = _app()
 
     async def _all_actions(self, grant: Grant, group: str | None) -> None:
         return None

@@ -1,7 +1,11 @@
 """A client of some routes, whose application is made of the parts that they need."""
 
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from functools import cache
 from typing import Any, Self
 
+from fastapi import FastAPI
 from starlette.testclient import TestClient
 
 from dock_gateway.app import create_app
@@ -10,6 +14,14 @@ from dock_gateway.http.parts import Parts
 from dock_gateway.settings import Settings
 from tests.support.audit import audit_parts
 from tests.support.shapes import check_answer
+
+SETTINGS = Settings(database_url="memory:")
+
+
+@cache
+def _app() -> FastAPI:
+    """The application, which takes a while to make; the parts come with each request."""
+    return create_app(SETTINGS, Parts(audit_parts()))
 
 
 class RouteClient:
@@ -23,12 +35,16 @@ class RouteClient:
     """
 
     def __init__(self, parts: dict[type, Any] | None = None) -> None:
-        settings = Settings(database_url="memory:")
-        self.parts = Parts({**audit_parts(), Settings: settings, Fanout: Fanout(queue_limit=10), **(parts or {})})
-        self.app = create_app(settings, self.parts)
-        self.http = TestClient(self.app, base_url="http://127.0.0.1:8000")
+        self.parts = Parts({**audit_parts(), Settings: SETTINGS, Fanout: Fanout(queue_limit=10), **(parts or {})})
+        self.http = TestClient(_app(), base_url="http://127.0.0.1:8000")
+
+    @asynccontextmanager
+    async def opened(self, _: FastAPI) -> AsyncIterator[dict[str, Any]]:
+        """Open the parts."""
+        yield {"parts": self.parts}
 
     def __enter__(self) -> Self:
+        _app().router.lifespan_context = self.opened
         self.http.__enter__()
         return self
 

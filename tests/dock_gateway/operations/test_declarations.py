@@ -2,6 +2,7 @@
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -39,8 +40,13 @@ DECLARED = {
 }
 
 
-def declarations() -> Iterator[tuple[str, str]]:
+@cache
+def declarations() -> list[tuple[str, str]]:
     """Each declaration of an operation in the code: what it needs; its file and name."""
+    return list(_declarations())
+
+
+def _declarations() -> Iterator[tuple[str, str]]:
     for path in sorted(PACKAGE.rglob("*.py")):
         file = path.relative_to(PACKAGE).as_posix()
         for node in ast.walk(ast.parse(path.read_text())):

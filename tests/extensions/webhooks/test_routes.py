@@ -6,6 +6,7 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
+from fastapi import FastAPI
 from hypothesis import given, settings
 
 from dock_gateway.extensions.webhooks.delivery import DeliveryEntry
@@ -27,24 +28,22 @@ class Client(RouteClient):
     """`/webhooks` of a gateway that has no alerts."""
 
     def __init__(self) -> None:
-        history = HistoryInMemory()
         super().__init__()
+        self._history = HistoryInMemory()
 
-        @asynccontextmanager
-        async def opened(_: object) -> AsyncIterator[dict[str, Any]]:
-            book = SharedBook(history.documents("webhook", WebhookEntry), "webhook", 2)
-            outbox = Outbox(book, SharedEntries(history.documents("delivery", DeliveryEntry)))
-            notifier = Notifier(
-                cast("Any", SimpleNamespace(documents=list)),
-                cast("Any", SimpleNamespace(of=lambda _: RobotLabel(None, ()))),
-                book,
-                outbox,
-            )
-            self.parts.add(Webhooks, Webhooks(book, outbox, notifier))
-            yield {"parts": self.parts}
-            await outbox.close()
-
-        self.app.router.lifespan_context = opened
+    @asynccontextmanager
+    async def opened(self, _: FastAPI) -> AsyncIterator[dict[str, Any]]:
+        book = SharedBook(self._history.documents("webhook", WebhookEntry), "webhook", 2)
+        outbox = Outbox(book, SharedEntries(self._history.documents("delivery", DeliveryEntry)))
+        notifier = Notifier(
+            cast("Any", SimpleNamespace(documents=list)),
+            cast("Any", SimpleNamespace(of=lambda _: RobotLabel(None, ()))),
+            book,
+            outbox,
+        )
+        self.parts.add(Webhooks, Webhooks(book, outbox, notifier))
+        yield {"parts": self.parts}
+        await outbox.close()
 
     def put(self, body: object, status: int = 200, webhook_id: str = "hook") -> Any:
         return self.send("PUT", f"/webhooks/{webhook_id}", status, json=body, template="/webhooks/{webhook_id}")
