@@ -48,7 +48,7 @@ def test_the_gateway_does_what_its_document_says(domain: int, tmp_path: Path) ->
     with (
         running_program(domain, "dock_simulator"),
         running_program(domain, "docking_server", "-p", "controller:=dock_pose", "-p", "goal_timeout:=2.0"),
-        running_gateway(domain) as gateway,
+        running_gateway(domain, server_wait="1") as gateway,  # for services, too, of which made up ones are not there
     ):
         gateway.wait_until_ready()
         run = schemathesis(tmp_path, gateway.url, "--phases", PHASES)

@@ -32,7 +32,7 @@ def withstand(gateway: RunningGateway, name: str, flood: Flood, megabytes: float
     leave_nothing(take, lambda: memory(pid), megabytes)
 
 
-def leave_nothing(flood: Callable[[], None], used: Callable[[], float], megabytes: float, patience: float = 30) -> None:
+def leave_nothing(flood: Callable[[], None], used: Callable[[], float], megabytes: float, patience: float = 12) -> None:
     """See that the memory of a flood comes back, or is used again by the same flood: then it is no leak.
 
     The allocator may keep what a flood needed at its height, more of it the busier the machine. What it keeps serves

@@ -8,8 +8,10 @@ from std_msgs.msg import Bool
 from tests.support.docking import (
     ABORTED,
     CANCELED,
+    FAST,
     SERVER,
     SUCCEEDED,
+    UNMEASURED,
     Reports,
     docking_servers,
     send_dock_goal,
@@ -103,7 +105,7 @@ def test_emergency_stops_of_others_hold_the_robot(domain: int, observer: Observe
 def test_a_battery_that_tells_only_its_current_docks_and_undocks(domain: int, observer: Observer) -> None:
     battery = "battery_reports_status:=false", "battery_charges_negative:=true"
     source = "charging_source:=current", "charging_current_negative:=true"
-    with dock_simulator(domain, *NEAR, *battery), docking_servers(domain, DRIVE, *source):
+    with dock_simulator(domain, *NEAR, FAST, *battery), docking_servers(domain, DRIVE, UNMEASURED, *source):
         result = send_dock_goal(observer).result()
         assert result.status == SUCCEEDED
         assert result.result.final_battery_state.power_supply_status == 0

@@ -10,7 +10,7 @@ from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, TransformS
 
 from docking.core.geometry import Pose
 from docking.simulation.dock import DOCKED
-from tests.support.docking import ABORTED, SUCCEEDED, send_dock_goal, send_undock_goal
+from tests.support.docking import ABORTED, FAST, SUCCEEDED, UNMEASURED, send_dock_goal, send_undock_goal
 from tests.support.observer import Observer
 from tests.support.processes import Process, ros_environment
 from tests.support.site import NEAR, assert_docked, look_at, site
@@ -61,10 +61,10 @@ def test_a_robot_without_a_marker_docks_and_undocks(domain: int, observer: Obser
     path.write_text(FILE)
     environment = ros_environment(domain)
     off = "localization_error_x:=0.02", "localization_error_y:=0.04", "localization_error_yaw:=0.03"
-    robot = [text for value in ("switched_detector:=true", *off) for text in ("-p", value)]
+    robot = [text for value in (FAST, "switched_detector:=true", *off) for text in ("-p", value)]
     with (
         Process("dock_simulator", "--ros-args", *robot, env=environment),
-        Process("docking_server", "--ros-args", "--params-file", str(path), env=environment),
+        Process("docking_server", "--ros-args", "-p", UNMEASURED, "--params-file", str(path), env=environment),
     ):
         here = look_at(observer)
         detections = observer.record(PoseStamped, "detected_dock_pose")

@@ -9,7 +9,7 @@ from rclpy.parameter import parameter_value_to_python
 
 from docking.core.geometry import Pose, normalize_angle
 from docking.simulation.dock import DOCKED
-from tests.support.docking import SERVER, SUCCEEDED, docking_servers, send_dock_goal, send_undock_goal
+from tests.support.docking import FAST, SERVER, SUCCEEDED, UNMEASURED, docking_servers, send_dock_goal, send_undock_goal
 from tests.support.observer import Observer
 from tests.support.processes import ForkedProcess, ros_environment
 from tests.support.simulator import dock_simulator
@@ -106,7 +106,7 @@ def test_a_robot_docks_as_a_file_of_nav2_says(domain: int, observer: Observer, t
     file = write(tmp_path, FILE.replace("DIRECTION", direction))
     rear = ("contact_at_back:=true", "marker_camera_yaw:=3.1416") if backwards else ()
     start = ("start_x:=-1.2", "start_y:=0.1", f"start_theta:={3.14 if backwards else 0.0}")
-    with dock_simulator(domain, *start, *rear), docking_servers(domain, file=file):
+    with dock_simulator(domain, FAST, *start, *rear), docking_servers(domain, UNMEASURED, file=file):
         site = look_at(observer)
         assert send_dock_goal(observer, dock="home_dock").result(120.0).status == SUCCEEDED
         site.expect_standstill()

@@ -7,7 +7,7 @@ from geometry_msgs.msg import Twist
 
 from docking.core.geometry import Pose
 from docking.simulation.dock import DOCKED
-from tests.support.docking import ABORTED, SUCCEEDED, Reports, send_dock_goal
+from tests.support.docking import ABORTED, FAST, SUCCEEDED, UNMEASURED, Reports, send_dock_goal
 from tests.support.observer import Observer
 from tests.support.processes import Process, ros_environment
 from tests.support.site import look_at
@@ -29,8 +29,8 @@ def test_the_robot_docks_at_the_dock_that_it_is_nearest_to(
 ) -> None:
     docks = tmp_path / "docks.yaml"
     docks.write_text(DOCKS)
-    world = (f"docks:=[{LEFT}]", f"start_x:={start.x}", f"start_y:={start.y}", f"start_theta:={start.theta}")
-    server = ("controller:=dock_pose", "odometry_timeout:=10.0", f"dock_database:={docks}")
+    world = (FAST, f"docks:=[{LEFT}]", f"start_x:={start.x}", f"start_y:={start.y}", f"start_theta:={start.theta}")
+    server = ("controller:=dock_pose", "odometry_timeout:=10.0", UNMEASURED, f"dock_database:={docks}")
     env = ros_environment(domain)
     with Process("dock_simulator", *given(world), env=env), Process("docking_server", *given(server), env=env):
         here = look_at(observer)

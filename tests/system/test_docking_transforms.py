@@ -6,7 +6,7 @@ from nav_msgs.msg import Odometry
 
 from docking.core.geometry import Pose
 from docking.ros import simulator_frames
-from tests.support.docking import ABORTED, SUCCEEDED, Reports, docking_servers, send_dock_goal
+from tests.support.docking import ABORTED, FAST, SUCCEEDED, UNMEASURED, Reports, docking_servers, send_dock_goal
 from tests.support.observer import Observer
 from tests.support.simulator import dock_simulator
 from tests.support.waiting import wait_until
@@ -21,7 +21,10 @@ NODE = "connect_to_charging_dock_action_server"
 
 def test_a_robot_docks_by_what_its_camera_sees(domain: int, observer: Observer) -> None:
     topics = {"tf": TFMessage, "odom": Odometry, "detected_dock_pose": PoseStamped}
-    with dock_simulator(domain, *NEAR, *FRAMES) as simulator, docking_servers(domain, "controller:=dock_pose"):
+    with (
+        dock_simulator(domain, *NEAR, *FRAMES, FAST) as simulator,
+        docking_servers(domain, "controller:=dock_pose", UNMEASURED),
+    ):
         heard = {topic: observer.record(message_type, topic) for topic, message_type in topics.items()}
         heard["odom"].wait_for(lambda message: message.child_frame_id == "base_footprint")
         seen = heard["detected_dock_pose"].wait_for(lambda message: message.header.frame_id == "camera_optical_frame")

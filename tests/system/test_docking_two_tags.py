@@ -4,7 +4,7 @@ import pytest
 
 from docking.core.geometry import Pose
 from docking.simulation.dock import DOCKED
-from tests.support.docking import SUCCEEDED, docking_servers, send_dock_goal
+from tests.support.docking import FAST, SUCCEEDED, UNMEASURED, docking_servers, send_dock_goal
 from tests.support.observer import Observer
 from tests.support.simulator import dock_simulator
 from tests.support.site import assert_docked, look_at
@@ -23,7 +23,7 @@ def test_the_dock_of_the_database_is_taken_and_without_it_neither(domain: int, o
         "home.frame:=odom",
         f"home.pose:=[{IN_ODOM.x}, {IN_ODOM.y}, {IN_ODOM.theta}]",
     )
-    with dock_simulator(domain, *WORLD), docking_servers(domain, *known):
+    with dock_simulator(domain, *WORLD, FAST), docking_servers(domain, *known, UNMEASURED):
         here = look_at(observer)
         goal = send_dock_goal(observer, dock="elsewhere")
         report = here.expect_abort(goal, "FAILED_TO_DETECT_DOCK", within=20.0)

@@ -9,11 +9,7 @@ from nav_msgs.msg import Path
 from docking.core.geometry import Pose
 from docking.ros.geometry import pose_from
 from docking.simulation.dock import DOCKED
-from tests.support.docking import (
-    SUCCEEDED,
-    send_dock_goal,
-    send_undock_goal,
-)
+from tests.support.docking import SUCCEEDED, send_dock_goal, send_undock_goal
 from tests.support.observer import Observer
 from tests.support.processes import ForkedProcess, Process, ros_environment
 from tests.support.site import assert_docked, look_at, site

@@ -22,7 +22,6 @@ def fibonacci(domain: int, gateway: RunningGateway, namespace: str) -> Iterator[
     with running_program(domain, "fibonacci_action_server", *arguments):
         wait_until(lambda: gateway.http.get(path).is_success, path)
         yield f"{path}/goals"
-    wait_until(lambda: not gateway.http.get(path).is_success, "the action has gone")
 
 
 ENDED = {"Prefer": "wait=50"}
@@ -58,6 +57,8 @@ def test_goals_of_every_action(gateway: RunningGateway, shared_domain: int) -> N
             assert (canceled.status_code, canceled.headers["location"]) == (202, path)
             assert '"status":"canceled"' in "".join(events.iter_text())
 
+    for action in ("/robot1/fibonacci", "/robot2/fibonacci"):
+        wait_until(lambda at=f"/actions{action}": not gateway.http.get(at).is_success, "the action has gone")
     everything = [running, external, second["goal_id"], first["goal_id"]]
     assert ids(gateway) == everything, "the actions have gone, their goals are still listed"
     assert ids(gateway, "?robot=/robot1") == [external, first["goal_id"]]

@@ -88,6 +88,7 @@ def test_a_recorded_goal_is_replayed(domain: int, observer: Observer, tmp_path: 
 
 
 # Replays beside a busy processor, and recordings that Hypothesis makes odd. Each replay starts a process.
+NEAR = ("-p", "start_x:=-1.0", "-p", "start_y:=0.05", "-p", "start_theta:=0.0")
 REPLAYS, FILES = int(os.environ.get("REPLAYS", "2")), int(os.environ.get("REPLAYED_FILES", "2"))
 
 
@@ -97,7 +98,7 @@ def docking(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     file = tmp_path_factory.mktemp("docking") / "goal.mcap"
     with (
         ros_domain() as domain,
-        running_program(domain, "dock_simulator"),
+        running_program(domain, "dock_simulator", *NEAR),
         running_program(domain, "docking_server", "-p", "controller:=dock_pose"),
         running_gateway(domain, recordings="all") as gateway,
     ):
