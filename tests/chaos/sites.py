@@ -16,11 +16,11 @@ from typing import Any, Self
 
 import httpx2
 import orjson
-import websockets.sync.client
 from websockets.sync.client import ClientConnection
 
 from dock_gateway.sites.identity import Signer
 from tests.chaos.load import Reader, Worker
+from tests.support.clients import open_websocket
 from tests.support.link import Link, link_to
 from tests.support.processes import ForkedProcess, Process, free_port, ros_environment
 from tests.support.site_broker import SiteBroker
@@ -231,4 +231,4 @@ class HubReader(Reader):
     """Reads every event of the hub, and resumes after the last one."""
 
     def connect(self, url: str) -> ClientConnection:
-        return websockets.sync.client.connect(url, max_size=None, open_timeout=5, proxy=None)
+        return open_websocket(url, max_size=None, open_timeout=5, proxy=None)

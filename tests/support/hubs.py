@@ -9,10 +9,10 @@ from typing import Any
 
 import httpx2
 import orjson
-import websockets.sync.client
 from websockets.sync.client import ClientConnection
 
 from dock_gateway.sites.identity import Signer
+from tests.support.clients import open_websocket
 from tests.support.processes import ForkedProcess, Process, ros_environment
 from tests.support.waiting import PATIENCE, wait_until
 
@@ -52,7 +52,8 @@ class RunningHub:
     @contextmanager
     def stream(self, path: str) -> Iterator[ClientConnection]:
         """Open a WebSocket."""
-        with websockets.sync.client.connect(self.url.replace("http", "ws") + path, max_size=None) as connection:
+        url = self.url.replace("http", "ws") + path
+        with open_websocket(url, max_size=None) as connection:
             yield connection
 
 

@@ -19,6 +19,13 @@ def gateway(domain: int) -> Iterator[RunningGateway]:
         yield gateway
 
 
+@pytest.fixture
+def watchful(domain: int) -> Iterator[RunningGateway]:
+    """One that gives up a server sooner."""
+    with running_gateway(domain, **IMPATIENT | {"ping_interval": "0.5", "lost_after": "4"}) as gateway:
+        yield gateway
+
+
 @contextmanager
 def plain_server(domain: int, *arguments: str) -> Iterator[Process]:
     command = ("-m", "tests.support.plain_action_server", *arguments)
@@ -93,11 +100,11 @@ def test_a_server_that_sends_feedback_and_answers_nothing_is_tried_once(gateway:
         assert numbers == list(range(220))
 
 
-def test_a_killed_server(gateway: RunningGateway, domain: int) -> None:
-    with running_dock_server(domain) as server, gateway.stream() as stream:
-        gateway.wait_until_ready()
-        gateway.publish(LOW)
-        goal_id = gateway.http.post("/dock").json()["goal_id"]
+def test_a_killed_server(watchful: RunningGateway, domain: int) -> None:
+    with running_dock_server(domain) as server, watchful.stream() as stream:
+        watchful.wait_until_ready()
+        watchful.publish(LOW)
+        goal_id = watchful.http.post("/dock").json()["goal_id"]
         stream.until_type("feedback")
         server.send_signal(signal.SIGKILL)
         server.wait()
@@ -105,53 +112,53 @@ def test_a_killed_server(gateway: RunningGateway, domain: int) -> None:
         assert lost["goal_id"] == goal_id
         assert lost["error"]["code"] == "action_server_lost"
         assert any(event.get("stalled") for event in stream.seen)
-        status, code, took = post_timed(gateway)
+        status, code, took = post_timed(watchful)
         assert (status, code) in ((503, "action_server_unavailable"), (504, "action_server_timeout"))
         assert took < 10
-        assert gateway.http.get("/readyz").status_code == 503
+        assert watchful.http.get("/readyz").status_code == 503
     with running_dock_server(domain):
-        gateway.wait_until_ready()
-        response = gateway.http.post("/dock")
+        watchful.wait_until_ready()
+        response = watchful.http.post("/dock")
         assert response.status_code == 202
-        assert gateway.goal(goal_id)["status"] == "lost"
+        assert watchful.goal(goal_id)["status"] == "lost"
 
 
-def test_a_frozen_server_and_its_return(gateway: RunningGateway, domain: int) -> None:
-    with running_dock_server(domain) as server, gateway.stream("?include=system") as stream:
-        gateway.wait_until_ready()
-        gateway.publish(LOW)
-        goal_id = gateway.http.post("/dock").json()["goal_id"]
+def test_a_frozen_server_and_its_return(watchful: RunningGateway, domain: int) -> None:
+    with running_dock_server(domain) as server, watchful.stream("?include=system") as stream:
+        watchful.wait_until_ready()
+        watchful.publish(LOW)
+        goal_id = watchful.http.post("/dock").json()["goal_id"]
         stream.until_type("feedback")
         server.send_signal(signal.SIGSTOP)
         stream.until_status("lost")
-        assert gateway.http.get("/readyz").json()["action_server"]["answering"] is False
-        status, code, took = post_timed(gateway)
+        assert watchful.http.get("/readyz").json()["action_server"]["answering"] is False
+        status, code, took = post_timed(watchful)
         assert (status, code) == (504, "action_server_timeout")
         assert took < 10
-        stop = gateway.stop_once()
+        stop = watchful.stop_once()
         assert stop["failed"][0]["code"] == "action_server_timeout"
         server.send_signal(signal.SIGCONT)
         # The stop was waiting for it: the goal is left as canceled, and the robot does not go on.
         assert stream.until_type("result")["status"] == "canceled"
-        assert gateway.goal(goal_id)["status"] == "canceled"
-        gateway.wait_until_ready()
-        assert gateway.http.post("/dock").status_code == 202
+        assert watchful.goal(goal_id)["status"] == "canceled"
+        watchful.wait_until_ready()
+        assert watchful.http.post("/dock").status_code == 202
 
 
-def test_a_lost_goal_goes_on_when_its_server_thaws(gateway: RunningGateway, domain: int) -> None:
-    with running_dock_server(domain) as server, gateway.stream() as stream:
-        gateway.wait_until_ready()
-        gateway.publish(LOW)
-        goal_id = gateway.http.post("/dock").json()["goal_id"]
+def test_a_lost_goal_goes_on_when_its_server_thaws(watchful: RunningGateway, domain: int) -> None:
+    with running_dock_server(domain) as server, watchful.stream() as stream:
+        watchful.wait_until_ready()
+        watchful.publish(LOW)
+        goal_id = watchful.http.post("/dock").json()["goal_id"]
         stream.until_type("feedback")
         server.send_signal(signal.SIGSTOP)
         stream.until_status("lost")
         server.send_signal(signal.SIGCONT)
         stream.until_status("executing")
         stream.until_type("feedback")
-        gateway.publish(LOW | {"power_supply_status": 1})
+        watchful.publish(LOW | {"power_supply_status": 1})
         assert stream.until_type("result")["status"] == "succeeded"
-        assert gateway.goal(goal_id)["error"] is None
+        assert watchful.goal(goal_id)["error"] is None
 
 
 def test_a_goal_accepted_too_late_is_canceled(domain: int) -> None:

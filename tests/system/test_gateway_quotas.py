@@ -10,10 +10,10 @@ import orjson
 import pytest
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import ClientConnection
-from websockets.sync.client import connect as open_websocket
 from websockets.typing import Subprotocol
 
 from tests.support.access import Site, bearer, stream
+from tests.support.clients import open_websocket
 from tests.support.gateway import LOW, RunningGateway, running_service_node
 from tests.support.installed import needs
 from tests.support.waiting import PATIENCE, wait_until

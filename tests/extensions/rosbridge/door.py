@@ -6,8 +6,8 @@ from typing import Any
 
 import orjson
 from websockets.sync.client import ClientConnection
-from websockets.sync.client import connect as open_websocket
 
+from tests.support.clients import open_websocket
 from tests.support.doors import QUIET, Door, Headers, Stop
 from tests.support.gateway import RunningGateway
 from tests.support.waiting import PATIENCE

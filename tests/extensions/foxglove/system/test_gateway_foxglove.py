@@ -11,12 +11,12 @@ from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import String
 from websockets.exceptions import InvalidStatus
-from websockets.sync.client import connect as open_websocket
 from websockets.typing import Subprotocol
 
 from action_tutorials_interfaces.action import Fibonacci
 from tests.extensions.foxglove.door import Client, client_of
 from tests.support.access import Site, bearer, ends_with
+from tests.support.clients import open_websocket
 from tests.support.gateway import (
     RunningGateway,
     running_gateway_with_talker,

@@ -7,8 +7,8 @@ from typing import Any
 
 import orjson
 import pytest
-from websockets.sync.client import connect
 
+from tests.support.clients import open_websocket
 from tests.support.gateway import RunningGateway
 from tests.support.installed import needs
 from tests.support.processes import ForkedProcess, Process, ros_environment
@@ -93,7 +93,7 @@ def test_a_robot_with_many_publishers_of_fixed_frames_whose_laser_misses_each_se
     options = ("--namespace", "/robot2", "--fixed", "120", "--odd")
     with (
         ForkedProcess("-m", "tests.extensions.maps.mapped_robot", *options, env=environment) as process,
-        connect(f"{gateway.url.replace('http', 'ws')}/rosbridge") as early,
+        open_websocket(f"{gateway.url.replace('http', 'ws')}/rosbridge") as early,
     ):
         process.wait_for("mapped")
         wait_until(lambda: gateway.http.get("/robots", params={"robot": "/robot2"}).status_code == 200, "the robot")

@@ -8,10 +8,10 @@ from typing import Any
 import orjson
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
-from websockets.sync.client import connect as open_websocket
 
 from tests.extensions.rosbridge.door import Client, client_of
 from tests.support.access import Site, bearer
+from tests.support.clients import open_websocket
 from tests.support.gateway import (
     RunningGateway,
     running_gateway_with_talker,

@@ -11,8 +11,8 @@ from geometry_msgs.msg import Twist, TwistStamped
 from sensor_msgs.msg import BatteryState, LaserScan
 from std_msgs.msg import Float64
 from websockets.sync.client import ClientConnection
-from websockets.sync.client import connect as open_websocket
 
+from tests.support.clients import open_websocket
 from tests.support.gateway import RunningGateway, running_gateway, running_program
 from tests.support.observer import Observer, ros_observer
 from tests.support.waiting import PATIENCE, wait_until
