@@ -2,6 +2,7 @@
 
 import asyncio
 import secrets
+import threading
 import unicodedata
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,8 +17,10 @@ from dock_gateway.core.request import hold
 T = TypeVar("T")
 
 MIN_PASSWORD, MAX_PASSWORD = 12, 200  # characters
-# How many are hashed at the same time. How many more may wait, `http.quotas` says.
-AT_ONCE = 2
+# One password is hashed at a time: the lanes are threads of OpenSSL, which a process has once, and two hashes wait for
+# each other without end. A semaphore alone would let one begin beside another whose request was canceled.
+# How many may wait, `http.quotas` says.
+_alone = threading.Lock()
 
 
 @dataclass(frozen=True)
@@ -55,10 +58,10 @@ def describe_wrong(value: object, shortest: int = MIN_PASSWORD) -> tuple[str, st
 
 
 class Passwords:
-    """Hashes passwords with Argon2id, a few at the same time."""
+    """Hashes passwords with Argon2id, one at a time."""
 
     def __init__(self) -> None:
-        self._slots = asyncio.Semaphore(AT_ONCE)
+        self._turn = asyncio.Semaphore(1)
         self._nobodys: str | None = None
 
     async def hash(self, password: str) -> str:
@@ -87,8 +90,13 @@ class Passwords:
 
     async def _run(self, work: Callable[[], T]) -> T:
         with hold("logins"):
-            async with self._slots:
-                return await asyncio.to_thread(work)
+            async with self._turn:
+                return await asyncio.to_thread(_run_alone, work)
+
+
+def _run_alone(work: Callable[[], T]) -> T:
+    with _alone:
+        return work()
 
 
 def _hash(password: bytes) -> str:

@@ -410,16 +410,16 @@ async def test_a_password_that_changes_during_a_login_is_too_late_for_it(
     assert await site.sessions.read() == {}
 
 
-async def test_a_flood_of_logins_hashes_two_at_the_same_time(logins: Logins, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_flood_of_logins_hashes_one_at_a_time(logins: Logins, monkeypatch: pytest.MonkeyPatch) -> None:
     running, most = 0, 0
     to_thread = asyncio.to_thread
 
-    async def count(work: Any) -> Any:
+    async def count(*work: Any) -> Any:
         nonlocal running, most
         running += 1
         most = max(most, running)
         try:
-            return await to_thread(work)
+            return await to_thread(*work)
         finally:
             running -= 1
 
@@ -432,7 +432,7 @@ async def test_a_flood_of_logins_hashes_two_at_the_same_time(logins: Logins, mon
 
     refused = await asyncio.gather(*map(attempt, range(150)), return_exceptions=True)
     codes = [getattr(each, "code", None) for each in refused]
-    assert most == 2
+    assert most == 1
     assert codes.count("invalid_login") >= 90
     assert codes.count("too_many_logins") == 150 - codes.count("invalid_login") > 0
 
