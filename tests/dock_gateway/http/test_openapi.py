@@ -132,6 +132,20 @@ def test_each_command_has_its_role_and_requires_its_op(document: dict[str, Any])
         assert schemas[name]["additionalProperties"] is False
 
 
+def test_a_thing_has_one_shape_in_answers_snapshots_and_events(document: dict[str, Any]) -> None:
+    fields = {name: each.get("properties", {}) for name, each in document["components"]["schemas"].items()}
+    snapshot, shapes = fields["SnapshotEvent"], {"Robot": fields["Robot"]}
+    for event in fields.values():
+        kind = event.get("type", {}).get("const")
+        if kind in snapshot:
+            assert event[kind] in (snapshot[kind], *snapshot[kind].get("anyOf", ())), kind
+            shapes[kind] = event[kind]
+    assert shapes.keys() > {"battery", "stop", "robots", "docking"}
+    assert [fields["Robot"][kind] for kind in ("battery", "stop")] == [shapes["battery"], shapes["stop"]]
+    for part, whole in (("Battery", "BatteryAnswer"), ("RobotPublisher", "Publisher"), ("GoalState", "Goal")):
+        assert fields[part].items() <= fields[whole].items(), part
+
+
 def test_the_copy_is_fresh(document: dict[str, Any]) -> None:
     assert orjson.loads(COPY.read_bytes()) == document, "run: dock-gateway schema openapi > frontend/openapi.json"
 
