@@ -20,7 +20,7 @@ from dock_gateway.extensions.missions.step import KINDS
 from dock_gateway.goals.known_robots import KnownRobots
 from dock_gateway.graph.publishing import FoundTopic, Publishing
 from dock_gateway.graph.service_calls import FoundService, ServiceCalls
-from tests.extensions.missions.examples import queued
+from tests.extensions.missions.examples import DOCK, queued
 from tests.support.history import HistoryInMemory
 from tests.support.robot_actions import make_known_robots
 from tests.support.route_client import RouteClient
@@ -196,6 +196,18 @@ def test_missions_are_listed(client: Client) -> None:
     page = client.send("GET", "/missions?limit=2")
     assert client.ids(f"?cursor={page['next_cursor']}") == [ids[0]]
     assert client.send("GET", "/missions?status=lost", 422)["errors"][0]["path"] == "status.0"
+
+
+def test_a_mission_that_ends_while_they_are_listed_is_among_them(client: Client) -> None:
+    ended = queued(DOCK).but(status=MissionStatus.SUCCEEDED)
+
+    async def end() -> None:
+        await client.book.store(32 * "a", ended, lambda _: None)  # not moved to the ended ones yet
+
+    assert client.http.portal is not None
+    client.http.portal.call(end)
+    assert client.ids("?status=succeeded") == [32 * "a"]
+    assert client.ids("?robot=/") == [32 * "a"]
 
 
 def test_only_what_is_held_goes_on(client: Client) -> None:

@@ -180,8 +180,7 @@ class MissionBook(SharedEntries[MissionEntry]):
         Raises:
             Unavailable: The history does not answer (`history_unavailable`).
         """
-        missions = (*(await self._past.read()).values(), *(await self.read()).values())
-        return any(mission.robot == robot for mission in missions)
+        return any(mission.robot == robot for mission in (await self._all()).values())
 
     async def document(self, mission_id: str, grant: Grant) -> Mapping[str, Any]:
         """Return a mission as `GET /missions/{mission_id}` shows it.
@@ -199,7 +198,7 @@ class MissionBook(SharedEntries[MissionEntry]):
         Raises:
             Unavailable: The history does not answer (`history_unavailable`).
         """
-        missions = {**await self._past.read(), **await self.read()}
+        missions = await self._all()
         found = (
             Cursor(mission.created_at, mission_id)
             for mission_id, mission in missions.items()
@@ -209,6 +208,11 @@ class MissionBook(SharedEntries[MissionEntry]):
         )
         places, end = newest(found, limit, end)
         return [self.describe(place.id, missions[place.id]) for place in places], end
+
+    async def _all(self) -> Mapping[str, MissionEntry]:
+        """Return all missions. One that is moved to the ended ones meanwhile is found there."""
+        missions = await self.read()
+        return {**missions, **await self._past.read()}
 
     def describe(self, mission_id: str, mission: MissionEntry) -> Mapping[str, Any]:
         """Return a mission as the API shows it."""
