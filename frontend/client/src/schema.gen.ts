@@ -4064,8 +4064,8 @@ export interface components {
             started_at: string | null;
             /** Finished At */
             finished_at: string | null;
-            /** Id */
-            id: string;
+            /** Mission Id */
+            mission_id: string;
             waits_for: components["schemas"]["WaitsFor"] | null;
             /** Steps */
             steps: components["schemas"]["MissionStep"][];
@@ -9296,7 +9296,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description `id` of the mission */
+                /** @description `mission_id` */
                 mission_id: string;
             };
             cookie?: never;
@@ -9366,7 +9366,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description `id` of the mission */
+                /** @description `mission_id` */
                 mission_id: string;
             };
             cookie?: never;
@@ -9445,7 +9445,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description `id` of the mission */
+                /** @description `mission_id` */
                 mission_id: string;
             };
             cookie?: never;
@@ -9524,7 +9524,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description `id` of the mission */
+                /** @description `mission_id` */
                 mission_id: string;
             };
             cookie?: never;
@@ -9603,7 +9603,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description `id` of the mission */
+                /** @description `mission_id` */
                 mission_id: string;
             };
             cookie?: never;

@@ -103,7 +103,7 @@ class Client(RouteClient):
         return self.send("GET", f"/missions/{mission_id}", status, template="/missions/{mission_id}")
 
     def ids(self, query: str = "") -> list[str]:
-        return [mission["id"] for mission in self.send("GET", f"/missions{query}")["missions"]]
+        return [mission["mission_id"] for mission in self.send("GET", f"/missions{query}")["missions"]]
 
     def set(self, mission_id: str, **fields: Any) -> None:
         """Let a mission be in another state."""
@@ -125,7 +125,7 @@ def client() -> Iterator[Client]:
 def test_a_mission_is_queued_and_canceled(client: Client) -> None:
     answer = client.http.post("/missions", json=PLAIN | {"by": "Ada", "name": " Night "})
     mission = answer.json()
-    assert answer.headers["location"] == f"/missions/{mission['id']}"
+    assert answer.headers["location"] == f"/missions/{mission['mission_id']}"
     assert (mission["robot"], mission["status"], mission["name"], mission["created_by"]) == (
         "/",
         "queued",
@@ -133,10 +133,10 @@ def test_a_mission_is_queued_and_canceled(client: Client) -> None:
         "Ada",
     )
     assert [step["status"] for step in mission["steps"]] == ["waiting", "waiting", "waiting"]
-    assert client.get(mission["id"]) == mission
-    assert client.change(mission["id"], "cancel")["status"] == "canceled"
-    assert client.change(mission["id"], "cancel", 409)["code"] == "mission_ended"
-    assert client.get(mission["id"])["status"] == "canceled"
+    assert client.get(mission["mission_id"]) == mission
+    assert client.change(mission["mission_id"], "cancel")["status"] == "canceled"
+    assert client.change(mission["mission_id"], "cancel", 409)["code"] == "mission_ended"
+    assert client.get(mission["mission_id"])["status"] == "canceled"
     assert client.get(32 * "0", 404)["code"] == "mission_not_found"
 
 
@@ -177,16 +177,16 @@ def test_what_is_no_mission(client: Client, steps: list[Any], path: str) -> None
 
 def test_a_request_that_is_sent_twice(client: Client) -> None:
     first = client.post(**{"Idempotency-Key": "night"})
-    client.set(first["id"], status=MissionStatus.SUCCEEDED)
+    client.set(first["mission_id"], status=MissionStatus.SUCCEEDED)
     again = client.post(**{"Idempotency-Key": "night"})
-    assert (again["id"], again["status"]) == (first["id"], "succeeded")
+    assert (again["mission_id"], again["status"]) == (first["mission_id"], "succeeded")
     other = client.post(PLAIN | {"priority": 1}, 409, **{"Idempotency-Key": "night"})
     assert other["code"] == "idempotency_key_reused"
-    assert client.post()["id"] != first["id"]
+    assert client.post()["mission_id"] != first["mission_id"]
 
 
 def test_missions_are_listed(client: Client) -> None:
-    ids = [client.post(query=query)["id"] for query in ("", "?robot=/robot1", "")]
+    ids = [client.post(query=query)["mission_id"] for query in ("", "?robot=/robot1", "")]
     client.change(ids[0], "cancel")
     assert client.ids() == ids[::-1]
     assert client.ids("?robot=/robot1") == [ids[1]]  # it has left the graph
@@ -211,7 +211,7 @@ def test_a_mission_that_ends_while_they_are_listed_is_among_them(client: Client)
 
 
 def test_only_what_is_held_goes_on(client: Client) -> None:
-    mission_id = client.post()["id"]
+    mission_id = client.post()["mission_id"]
     for verb in ("continue", "skip"):
         assert client.change(mission_id, verb, 409)["code"] == "mission_not_held"
     assert client.change(mission_id, "pause")["held_for"] == "paused"

@@ -42,7 +42,7 @@ def run(file: IO[bytes], robot: str | None, no_wait: bool) -> None:
     if wanted("as_json"):
         print_json(found)
     elif no_wait:
-        click.echo(found["id"])
+        click.echo(found["mission_id"])
     if found["status"] in ("failed", "canceled"):
         sys.exit(1)
 
@@ -56,7 +56,7 @@ def _follow(client: Client, found: dict[str, Any]) -> dict[str, Any]:
         if found["status"] in ENDED:
             return found
         time.sleep(INTERVAL)
-        found = client.request("GET", f"/missions/{found['id']}")
+        found = client.request("GET", f"/missions/{found['mission_id']}")
 
 
 def _line(found: dict[str, Any]) -> str:
@@ -64,10 +64,12 @@ def _line(found: dict[str, Any]) -> str:
     status, steps = found["status"], found["steps"]
     if status in ENDED:
         why = f": {found['error']['detail']}" if found["error"] else ""
-        return f"{found['id']} {status}{why}"
+        return f"{found['mission_id']} {status}{why}"
     place = f"step {found['step'] + 1} of {len(steps)}, {_kind_of(steps[found['step']])}"
-    held = f", for {found['held_for']}: dock-gateway mission continue {found['id']}" if found["held_for"] else ""
-    return f"{found['id']} {status}: {place}{held}"
+    held = (
+        f", for {found['held_for']}: dock-gateway mission continue {found['mission_id']}" if found["held_for"] else ""
+    )
+    return f"{found['mission_id']} {status}: {place}{held}"
 
 
 def _kind_of(step: dict[str, Any]) -> str:
@@ -92,7 +94,7 @@ def list_missions(robot: str | None, everything: bool) -> None:
         print_json(found)
         return
     rows = [
-        (each["id"], each["robot"], each["name"] or "", each["status"], f"{each['step']}/{len(each['steps'])}")
+        (each["mission_id"], each["robot"], each["name"] or "", each["status"], f"{each['step']}/{len(each['steps'])}")
         for each in found["missions"]
     ]
     print_table(("MISSION", "ROBOT", "NAME", "STATUS", "STEP"), rows, "no missions")

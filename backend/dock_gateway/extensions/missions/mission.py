@@ -193,7 +193,7 @@ class MissionEntry(MissionFields):
     def document(self, mission_id: str, waits_for: str | None) -> Mapping[str, Any]:
         """Return it as `GET /missions/{mission_id}` shows it."""
         return {
-            "id": mission_id,
+            "mission_id": mission_id,
             **self.model_dump(include=set(MissionFields.model_fields)),
             "waits_for": waits_for,
             "steps": [step.model_dump(exclude=set(STORED_ONLY)) for step in self.steps],

@@ -31,7 +31,7 @@ from dock_gateway.http.route import ApiRoute
 
 router = APIRouter(route_class=ApiRoute, tags=["Missions"], prefix="/missions")
 
-MissionId = Annotated[str, Path(description="`id` of the mission", json_schema_extra={"pattern": "^[0-9a-f]{32}$"})]
+MissionId = Annotated[str, Path(description="`mission_id`", json_schema_extra={"pattern": "^[0-9a-f]{32}$"})]
 OwnKey = Annotated[str | None, Depends(read_own_key)]
 StatusQuery = Annotated[list[MissionStatus] | None, Query(description="Only missions in these states")]
 

@@ -85,7 +85,7 @@ class Mission(MissionFields):
     if that is not known, or it has ended.
     """
 
-    id: str
+    mission_id: str
     waits_for: WaitsFor | None
     steps: list[MissionStep]
 

@@ -14,13 +14,13 @@ import { hasEnded } from "./queue";
 import type { Mission, MissionStatus, Verb } from "./requests";
 import { errorWords, holdOf, missionName, nowWords, STATUSES, stepWords, tookWords } from "./words";
 
-export function missionPath({ id }: Pick<Mission, "id">): string {
-  return `/ui/missions/${id}`;
+export function missionPath({ mission_id }: Pick<Mission, "mission_id">): string {
+  return `/ui/missions/${mission_id}`;
 }
 
 /** Where the form is that starts a mission once more. */
-export function againPath({ id }: Pick<Mission, "id">): string {
-  return `/ui/missions/new?from=${id}`;
+export function againPath({ mission_id }: Pick<Mission, "mission_id">): string {
+  return `/ui/missions/new?from=${mission_id}`;
 }
 
 export function MissionBadge({ status }: { status: MissionStatus }) {
@@ -187,7 +187,7 @@ export function Commands({ mission, command }: CommandsProps) {
   const waiting = command.isPending ? "The gateway has not answered yet." : null;
   const reason = live ? waiting : NOT_CONNECTED;
   const held = reason ?? (stopped ? "The robot is stopped. Release the stop first." : null);
-  const give = (verb: Verb) => () => command.mutate({ id: mission.id, verb });
+  const give = (verb: Verb) => () => command.mutate({ id: mission.mission_id, verb });
   const button = (verb: Verb, words: string, why: string | null, primary = false) => (
     <ReasonButton
       {...ENTRY_BUTTON}

@@ -157,7 +157,7 @@ function RobotQueue({ queue: { robot, active, next } }: { queue: Queue }) {
           </Text>
           <ol className={classes.queue} aria-label={`Next for ${name}`}>
             {next.map((mission, index) => (
-              <Queued key={mission.id} mission={mission} place={index + 1} />
+              <Queued key={mission.mission_id} mission={mission} place={index + 1} />
             ))}
           </ol>
         </div>
@@ -221,7 +221,7 @@ function EndedTable({ missions }: { missions: readonly Mission[] }) {
       </Table.Thead>
       <Table.Tbody>
         {missions.map((mission) => (
-          <EndedRow key={mission.id} mission={mission} several={several} />
+          <EndedRow key={mission.mission_id} mission={mission} several={several} />
         ))}
       </Table.Tbody>
     </Table>

@@ -32,6 +32,6 @@ export function take(client: QueryClient, mission: Mission): void {
     if (client.isFetching({ queryKey: key, exact: true }))
       void client.invalidateQueries({ queryKey: key, exact: true });
   }
-  client.setQueryData<Mission>([...ONE, mission.id], (known) => known && mission);
+  client.setQueryData<Mission>([...ONE, mission.mission_id], (known) => known && mission);
   if (hasEnded(mission)) void client.invalidateQueries({ queryKey: ENDED });
 }

@@ -36,6 +36,6 @@ function byTurn(one: Mission, other: Mission): number {
 
 /** The missions that have not ended, after one has changed. */
 export function withMission(missions: readonly Mission[], changed: Mission): Mission[] {
-  const others = missions.filter(({ id }) => id !== changed.id);
+  const others = missions.filter(({ mission_id }) => mission_id !== changed.mission_id);
   return hasEnded(changed) ? others : [...others, changed];
 }

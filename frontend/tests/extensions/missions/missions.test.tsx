@@ -79,7 +79,7 @@ const PUBLISH: MissionStep = {
 };
 const NOTIFY: MissionStep = { ...DOCK, dock: null, notify: { text: "Load me", critical: true } };
 const NIGHT: Mission = {
-  id: "a",
+  mission_id: "a",
   robot: "/robot1",
   name: "Night",
   priority: 50,
@@ -101,7 +101,7 @@ const NIGHT: Mission = {
 };
 const QUEUED: Mission = {
   ...NIGHT,
-  id: "b",
+  mission_id: "b",
   name: null,
   status: "queued",
   started_at: null,
@@ -111,7 +111,7 @@ const QUEUED: Mission = {
 const HELD: Mission = { ...NIGHT, status: "held", held_for: "stop", waits_for: "continue" };
 const FAILED: Mission = {
   ...NIGHT,
-  id: "c",
+  mission_id: "c",
   name: "Round",
   status: "failed",
   error: { code: "step_timeout", detail: "the step took longer than its timeout_s" },
@@ -133,7 +133,7 @@ function answering(missions: Mission[], refuse?: { path: string; detail: string 
     const wanted = searchParams.getAll("status");
     const found = missions.filter(({ status }) => wanted.includes(status));
     if (pathname === "/missions") return Response.json({ missions: found, next_cursor: null });
-    const one = missions.find(({ id }) => pathname === `/missions/${id}`);
+    const one = missions.find(({ mission_id }) => pathname === `/missions/${mission_id}`);
     return one === undefined ? Response.json({}, { status: 404 }) : Response.json(one);
   });
   return asked;
@@ -183,12 +183,12 @@ describe("the words", () => {
 
 describe("the queue", () => {
   it("has the active mission first, then by priority and age", () => {
-    const later = { ...QUEUED, id: "d", created_at: "2026-11-30T02:30:00Z" };
-    const urgent = { ...later, id: "e", priority: 70 };
-    const other = { ...QUEUED, id: "f", robot: "/robot2" };
+    const later = { ...QUEUED, mission_id: "d", created_at: "2026-11-30T02:30:00Z" };
+    const urgent = { ...later, mission_id: "e", priority: 70 };
+    const other = { ...QUEUED, mission_id: "f", robot: "/robot2" };
     const [one, two] = queuesOf([later, other, QUEUED, NIGHT, urgent, FAILED]);
     expect(one?.active).toBe(NIGHT);
-    expect(one?.next.map(({ id }) => id)).toEqual(["e", "b", "d"]);
+    expect(one?.next.map(({ mission_id }) => mission_id)).toEqual(["e", "b", "d"]);
     expect(two).toMatchObject({ robot: "/robot2", active: null, next: [other] });
   });
 

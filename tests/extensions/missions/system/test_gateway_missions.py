@@ -29,7 +29,7 @@ def post(gateway: RunningGateway, *steps: dict[str, Any], **fields: Any) -> str:
     """Queue a mission; return its id."""
     answer = gateway.http.post("/missions", json={"steps": [*steps], **fields})
     assert answer.status_code == 201, answer.text
-    mission_id: str = answer.json()["id"]
+    mission_id: str = answer.json()["mission_id"]
     return mission_id
 
 
@@ -75,7 +75,7 @@ def test_one_step_after_the_other(domain: int) -> None:
             for each in (first, sooner, second):
                 until(gateway, each, "succeeded")
             ended = [
-                event["mission"]["id"]
+                event["mission"]["mission_id"]
                 for event in [
                     stream.until(lambda event: event["type"] == "mission" and event["mission"]["status"] == "succeeded")
                     for _ in range(3)
