@@ -170,7 +170,7 @@ class Stream:
 def _places(connection: HTTPConnection, site: str) -> Iterator[None]:
     """Take a place among the requests to all sites, and among those to one, while the block runs."""
     quotas, principal = parts_of(connection)[Quotas], principal_of(connection)
-    with quotas.hold(principal, "requests"), quotas.hold(principal, "requests of one", of=site):
+    with quotas.slot(principal, "requests"), quotas.slot(principal, "requests of one", per=site):
         yield
 
 

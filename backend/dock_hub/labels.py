@@ -14,7 +14,7 @@ class SiteLabels:
     def __init__(self, sites: Sites) -> None:
         self._sites = sites
 
-    def of(self, robot: str) -> RobotLabel:
+    def get(self, robot: str) -> RobotLabel:
         """Return the label of a robot; an empty one if it has none."""
         return self._all().get(robot, NO_LABEL)
 

@@ -64,7 +64,7 @@ def prefix_of(action_name: str) -> str:
     return f"/{action_name[1:].partition('/')[0]}/"
 
 
-def share(sizes: Iterable[int], most: int) -> int:
+def fair_share(sizes: Iterable[int], most: int) -> int:
     """Return how much each may have, so that together they have `most`: who has less leaves the rest to the others."""
     ordered = sorted(sizes)
     for number, size in enumerate(ordered):
@@ -90,7 +90,7 @@ def find_excess(most: int, connection: sa.Connection) -> Excess | None:
         ended = () if running else (HAS_ENDED,)
         oldest = sa.select(goals.c.created_at, size_of_goal).where(is_of(prefix), *ended)
         oldest = oldest.order_by(goals.c.created_at).limit(MOST_GOALS)
-        last = last_beyond(connection, share(sizes.values(), most), total, oldest)
+        last = last_beyond(connection, fair_share(sizes.values(), most), total, oldest)
         if last is not None:
             return Excess(prefix, last, running)
     return None

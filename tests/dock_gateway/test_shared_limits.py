@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from dock_gateway.core.access import FORWARDER, Principal
 from dock_gateway.core.errors import TooManyRequests
 from dock_gateway.core.grant import Role
-from dock_gateway.core.request import PERMIT, hold, turn
+from dock_gateway.core.request import PERMIT, slot, turn
 from dock_gateway.extension import extensions
 from dock_gateway.http.quotas import TURNS, Quotas, limits
 from dock_gateway.settings import Settings
@@ -30,7 +30,7 @@ SHARES = "has a share for each user"
 OF_CONNECTION = "of one connection, of which a user has a share"
 OF_ADDRESS = "has a share for each address, below any login"
 OF_USER = "of one user"
-TURN = "waited for, after the user's own turn (`Quotas.turn`) or place (`Quotas.hold`)"
+TURN = "waited for, after the user's own turn (`Quotas.turn`) or place (`Quotas.slot`)"
 OLDEST_GO = "remembered or kept for the next time; the oldest go, and cost a little more then"
 OF_GRAPH = "of what is on the ROS graph; no user makes more of it"
 OF_GATEWAY = "of the gateway itself, or of one message, request or goal"
@@ -138,7 +138,7 @@ def fill(stack: ExitStack, quotas: Quotas, who: Principal, what: str) -> int:
     codes: list[str] = []
     for number in range(int(LIMITS[what].most) + 1):
         try:
-            stack.enter_context(quotas.hold(who, what, f"{who.name} {number}", "it"))
+            stack.enter_context(quotas.slot(who, what, f"{who.name} {number}", "it"))
         except TooManyRequests as error:
             codes.append(error.code)
     assert set(codes) == {LIMITS[what].code}
@@ -153,10 +153,10 @@ def test_what_one_user_takes_is_not_all(what: str) -> None:
             quotas = Quotas(Settings(), FURTHER)
             assert fill(stack, quotas, greedy, what) == LIMITS[what].share
             for each in (other, OPERATOR if greedy != OPERATOR else ADMIN, ADMIN if greedy != ADMIN else OPERATOR):
-                with quotas.hold(each, what, "more", "it"):
+                with quotas.slot(each, what, "more", "it"):
                     pass
             with pytest.raises(TooManyRequests, match=f"{greedy.name} already has .* share of one user"):
-                stack.enter_context(quotas.hold(greedy, what, "more", "it"))
+                stack.enter_context(quotas.slot(greedy, what, "more", "it"))
 
 
 @pytest.mark.parametrize("what", COMMON)
@@ -167,7 +167,7 @@ def test_viewers_together_leave_the_reserve(what: str) -> None:
         viewers = (user(f"viewer{number}", Role.VIEWER) for number in range(math.ceil(limit.most / limit.share)))
         assert sum(fill(stack, quotas, each, what) for each in viewers) == limit.most - limit.reserve
         with pytest.raises(TooManyRequests, match="all users together have"):
-            stack.enter_context(quotas.hold(OTHER, what, "more", "it"))
+            stack.enter_context(quotas.slot(OTHER, what, "more", "it"))
         if limit.reserve:
             assert fill(stack, quotas, ADMIN, what) == min(limit.share, limit.reserve)
 
@@ -177,10 +177,10 @@ def test_without_a_login_another_address_still_has_a_place(what: str) -> None:
     with ExitStack() as stack:
         quotas = Quotas(Settings(), FURTHER)
         assert fill(stack, quotas, HERE, what) == LIMITS[what].share_of(HERE) < LIMITS[what].most
-        with quotas.hold(THERE, what, "more", "it"):
+        with quotas.slot(THERE, what, "more", "it"):
             pass
         with pytest.raises(TooManyRequests, match=r"clients at 192\.0\.2\.1 already have .* share of one address"):
-            stack.enter_context(quotas.hold(HERE, what, "more", "it"))
+            stack.enter_context(quotas.slot(HERE, what, "more", "it"))
 
 
 def test_the_hub_follows_its_site_as_long_as_there_is_a_place() -> None:
@@ -213,11 +213,11 @@ def test_no_order_of_holds_breaks_a_share(steps: list[Step], most: int, share: i
         )
         place = ExitStack()
         if room:
-            place.enter_context(quotas.hold(who, "topics", topic))
+            place.enter_context(quotas.slot(who, "topics", topic))
             held[who].append((topic, place))
         else:
             with pytest.raises(TooManyRequests):
-                place.enter_context(quotas.hold(who, "topics", topic))
+                place.enter_context(quotas.slot(who, "topics", topic))
     for places in held.values():
         for _, place in places:
             place.close()
@@ -229,7 +229,7 @@ def test_a_topic_of_several_connections_and_users_takes_one_place() -> None:
     quotas = Quotas(Settings(), FURTHER)
     with ExitStack() as stack:
         for who in (VIEWER, VIEWER, OTHER):
-            stack.enter_context(quotas.hold(who, "topics", "/scan", "it"))
+            stack.enter_context(quotas.slot(who, "topics", "/scan", "it"))
         assert fill(stack, quotas, VIEWER, "topics") == LIMITS["topics"].share_of(VIEWER) - 1
     with ExitStack() as stack:
         assert fill(stack, quotas, VIEWER, "topics") == LIMITS["topics"].share_of(VIEWER)
@@ -256,8 +256,8 @@ async def test_a_user_waits_for_their_own_turn_before_those_of_others(what: str)
 def test_what_the_gateway_does_by_itself_needs_no_place() -> None:
     with ExitStack() as stack:
         for _ in range(1000):
-            stack.enter_context(hold("topics"))
+            stack.enter_context(slot("topics"))
         with acting(Quotas(Settings(), FURTHER), VIEWER):
-            assert sum(1 for _ in range(75) if stack.enter_context(hold("topics")) is None) == 75
+            assert sum(1 for _ in range(75) if stack.enter_context(slot("topics")) is None) == 75
             with pytest.raises(TooManyRequests):
-                stack.enter_context(hold("topics"))
+                stack.enter_context(slot("topics"))

@@ -29,7 +29,7 @@ from dock_hub.fields import ForeignDocumentError
 from dock_hub.follower import Follower
 from dock_hub.goal_documents import Happening, ends_of, read_goal
 from dock_hub.mirror import Mirror
-from dock_hub.shares import BY_SITE, share, sizes_of_sites
+from dock_hub.shares import BY_SITE, fair_share, sizes_of_sites
 from dock_hub.site_view import MAX_BYTES, SiteView
 from dock_hub.store import HubStore, News
 from tests.dock_hub.documents import ROBOT, decoded
@@ -156,7 +156,7 @@ async def test_goals_of_the_future_do_not_take_the_place_of_others(database_url:
 
 @given(st.dictionaries(st.text(max_size=3), st.integers(0, 10**12), min_size=1), st.integers(0, 10**12))
 def test_a_share_is_taken_from_those_that_have_the_most(sizes: dict[str, int], most: int) -> None:
-    level = share(sizes.values(), most)
+    level = fair_share(sizes.values(), most)
     left = [min(size, level) for size in sizes.values()]
     assert sum(left) <= max(most, 0)
     if sum(sizes.values()) <= most:

@@ -278,7 +278,7 @@ async def test_a_stop_of_a_site_is_one_however_it_is_written(hub: Hub) -> None:
         ada = Principal("ada", "token", Grant(Role.VIEWER), None)
         with suppress(TooManyRequests):
             while True:
-                places.enter_context(hub.parts[Quotas].hold(ada, "requests of one", of="berlin"))
+                places.enter_context(hub.parts[Quotas].slot(ada, "requests of one", per="berlin"))
         echo = await hub.http.post("/sites/berlin/echo", headers=header)
         assert (echo.status_code, echo.json()["code"]) == (429, "too_many_streams")
         for below in ("/STOP", "//stop", "/stop;x", "/stop/", "/%73top", "/./stop", "/x/../stop", "/stop#"):

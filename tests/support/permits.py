@@ -27,7 +27,7 @@ def permit(
 ) -> Permit:
     """A permit with the quotas of a user."""
     quotas, principal = quotas or Quotas(Settings()), principal or user("ada")
-    return Permit(require, watch, partial(quotas.hold, principal), partial(quotas.turn, principal))
+    return Permit(require, watch, partial(quotas.slot, principal), partial(quotas.turn, principal))
 
 
 @contextmanager

@@ -149,7 +149,7 @@ def _permit(parts: Parts, principal: Principal) -> None:
         Permit(
             partial(logins.require_valid, principal),
             partial(logins.watch, principal),
-            partial(quotas.hold, principal),
+            partial(quotas.slot, principal),
             partial(quotas.turn, principal),
         )
     )
@@ -178,7 +178,7 @@ def subscribed(parts: Parts, principal: Principal, event_filter: EventFilter) ->
     """
     logins, fanout = parts[Logins], parts[Fanout]
     logins.require_valid(principal)
-    with parts[Quotas].hold(principal, "streams"):
+    with parts[Quotas].slot(principal, "streams"):
         subscriber = fanout.subscribe(event_filter)
         try:
             with logins.watch(principal, subscriber.expel):

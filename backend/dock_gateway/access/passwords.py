@@ -12,7 +12,7 @@ from typing import TypeVar
 from cryptography.exceptions import InvalidKey
 from cryptography.hazmat.primitives.kdf.argon2 import Argon2id
 
-from dock_gateway.core.request import hold
+from dock_gateway.core.request import slot
 
 T = TypeVar("T")
 
@@ -89,7 +89,7 @@ class Passwords:
         return right and hashed is not None, outdated
 
     async def _run(self, work: Callable[[], T]) -> T:
-        with hold("logins"):
+        with slot("logins"):
             async with self._turn:
                 return await asyncio.to_thread(_run_alone, work)
 

@@ -106,7 +106,7 @@ async def log_in(
         request.scope["principal"] = ANYBODY
         return _session(request, settings, logins, ANYBODY)
     browser = browser_of(request)
-    with quotas.hold(stranger(request), "logins"):
+    with quotas.slot(stranger(request), "logins"):
         principal, secret = await logins.log_in(name, password, address_of(request), browser)
     request.scope["principal"] = principal
     response = _session(request, settings, logins, principal)

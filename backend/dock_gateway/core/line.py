@@ -12,7 +12,7 @@ MAX_OVER = 10_000  # Goals whose published end is remembered.
 MAX_STORED = 50_000  # Published states of goals that are remembered.
 
 
-class Hold:
+class Reservation:
     """A place in the order of publication for events that are being stored. Later events wait behind it.
 
     Attributes:
@@ -36,7 +36,7 @@ class Line:
 
     Where gateways share a database, an event waits until its id is *allowed* (`allow`), and the states and results of
     goals come with that permission: all gateways publish them at the same place among their other events. Otherwise
-    everything is allowed, and an event waits only behind a `Hold`.
+    everything is allowed, and an event waits only behind a `Reservation`.
 
     Args:
         clock: Stamps the events.
@@ -50,7 +50,7 @@ class Line:
         self.on_want: Callable[[], None] = lambda: None
         self._clock = clock
         self._deliver = deliver
-        self._waiting: deque[Event | Hold] = deque()
+        self._waiting: deque[Event | Reservation] = deque()
         self._allowed: str | None = None  # the id up to which events may be published; None: all
         self._allowed_at = 0.0
         self._stored: OrderedDict[str | None, None] = OrderedDict()  # keys of the events that came stored
@@ -71,9 +71,9 @@ class Line:
             self.on_want()
         self._deliver(event)
 
-    def hold(self, source_ns: int) -> Hold:
+    def reserve(self, source_ns: int) -> Reservation:
         """Reserve a place for events that must be stored before they are published. Release it soon."""
-        place = Hold(self, self._clock.stamp(source_ns))
+        place = Reservation(self, self._clock.stamp(source_ns))
         self._waiting.append(place)
         return place
 
@@ -140,7 +140,7 @@ class Line:
         while len(self._stored) > MAX_STORED:
             self._stored.popitem(last=False)
         if new:
-            waiting = [event for event in self._waiting if isinstance(event, Event)]  # there is no `Hold`
+            waiting = [event for event in self._waiting if isinstance(event, Event)]  # there is no `Reservation`
             waiting.extend(new)
             waiting.sort(key=lambda event: event.id or "")
             self._waiting = deque(waiting)

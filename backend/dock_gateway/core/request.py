@@ -28,7 +28,7 @@ class Permit:
     Attributes:
         require: Raises an error if that is no longer true.
         watch: Calls a function as soon as it is no longer true, while a block runs.
-        hold: Takes a place of the user while a block runs (`Quotas.hold`).
+        slot: Takes a place of the user while a block runs (`Quotas.slot`).
         turn: Waits for the user's turn (`Quotas.turn`).
         acted_at: When the request acted last.
         action: Absolute name of the action that it has picked or was given; None: not known yet.
@@ -36,7 +36,7 @@ class Permit:
 
     require: Callable[[], None]
     watch: Watch
-    hold: Callable[[str, Hashable, str], AbstractContextManager[None]]
+    slot: Callable[[str, Hashable, str], AbstractContextManager[None]]
     turn: Callable[[str], AbstractAsyncContextManager[None]]
     acted_at: datetime = field(default_factory=utc_now)
     action: str | None = None
@@ -71,19 +71,19 @@ def acts_on(action: str) -> None:
         permit.action = action
 
 
-def hold(what: str, key: Hashable = None, of: str = "") -> AbstractContextManager[None]:
+def slot(what: str, key: Hashable = None, per: str = "") -> AbstractContextManager[None]:
     """Take a place of the request's user while a block runs. What the gateway does by itself needs none.
 
     Args:
         what: What is shared, as `http.quotas.limits` names it.
         key: What the place is for, if others may share it.
-        of: What the limit is of, where each of them has its own.
+        per: What the limit is for, such as a service, where each of them has its own.
 
     Raises:
         TooManyRequests: The user has their share already, or all places are in use.
     """
     permit = PERMIT.get()
-    return nullcontext() if permit is None else permit.hold(what, key, of)
+    return nullcontext() if permit is None else permit.slot(what, key, per)
 
 
 def turn(what: str) -> AbstractAsyncContextManager[None]:

@@ -89,7 +89,7 @@ class PendingFacts(Generic[T]):
         if event := self._waiting.get(goal_id):
             event.set()
 
-    async def of(self, goal_id: str) -> T | None:
+    async def wait_for(self, goal_id: str) -> T | None:
         """Return the fact, waiting for it at most `wait` seconds, or None."""
         if goal_id not in self._facts:
             event = self._waiting.setdefault(goal_id, asyncio.Event())

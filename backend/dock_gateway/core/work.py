@@ -19,7 +19,7 @@ from threading import Lock, Timer
 from typing import IO, ParamSpec, TypeVar
 
 from dock_gateway.core.errors import TooManyRequests
-from dock_gateway.core.request import hold
+from dock_gateway.core.request import slot
 
 P = ParamSpec("P")
 Result = TypeVar("Result")
@@ -187,7 +187,7 @@ class Lane:
 
         self._waiting += 1
         try:
-            with hold("large messages"):
+            with slot("large messages"):
                 return await asyncio.get_running_loop().run_in_executor(thread, run)
         finally:
             self._waiting -= 1

@@ -136,7 +136,7 @@ class Fleet:
         succeeded = self._last_goals.succeeded(*all_names)
         return RobotState(
             name=name,
-            label=self._labels.of(name),
+            label=self._labels.get(name),
             default=name == self._robots.default_namespace,
             battery=robot.battery,
             battery_topic=self._settings.battery_of(name),

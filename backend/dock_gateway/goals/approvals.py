@@ -17,7 +17,7 @@ from dock_gateway.core.filters import is_under, parent_of
 from dock_gateway.core.goal import Json, Verb, fragment
 from dock_gateway.core.grant import UNLIMITED, Grant, Role
 from dock_gateway.core.narrowing import narrow_approvals
-from dock_gateway.core.request import hold, wait_while_permitted
+from dock_gateway.core.request import slot, wait_while_permitted
 from dock_gateway.settings import Settings
 
 
@@ -106,7 +106,7 @@ class Approvals:
         robot = self._robot_of(action_name)
         if principal.grant.role is not Role.AGENT or self._is_simulated(action_name, robot):
             return
-        with hold("approvals"):
+        with slot("approvals"):
             approval = self._ask(principal, action_name, robot, goal)
             try:
                 await wait_while_permitted(self._wait(approval))

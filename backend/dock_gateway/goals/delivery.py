@@ -11,7 +11,7 @@ from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Origin
-from dock_gateway.core.request import act, hold
+from dock_gateway.core.request import act, slot
 from dock_gateway.goals.cancellation import TOO_LATE, Canceler
 from dock_gateway.goals.goal_machine import GoalMachine, News
 from dock_gateway.goals.liveness import ServerWatch
@@ -107,7 +107,7 @@ class GoalDelivery:
         self._shared.interlock.require_released(action_name)
         stops = self.stops if stops is None else stops
         place = ExitStack()
-        place.enter_context(hold("goals", of=action_name))
+        place.enter_context(slot("goals", per=action_name))
         task = asyncio.create_task(self._deliver(message, claim, stops, again, sender))
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
@@ -173,7 +173,7 @@ class GoalDelivery:
 
     async def _reject(self, goal: Goal) -> None:
         busy_with = self._busy_with()
-        reason = await self._shared.reasons.of(goal.goal_id)
+        reason = await self._shared.reasons.wait_for(goal.goal_id)
         if reason is not None:
             code = reason.code if reason.code in KNOWN_REJECTIONS else "goal_rejected"
             error = GoalError(code, reason.detail)

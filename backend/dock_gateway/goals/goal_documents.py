@@ -54,7 +54,7 @@ class GoalDocuments:
         """Return goals with all that is known of them. Tags and notes are null while the history does not answer."""
         documents = [self.brief(goal) for goal in goals]
         try:
-            known = await self._history.notes.of([goal.goal_id for goal in goals])
+            known = await self._history.notes.read([goal.goal_id for goal in goals])
         except Unavailable:  # goals that still run can be read without the history
             pass
         else:

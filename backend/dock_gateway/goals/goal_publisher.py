@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Callable
 from dock_gateway.core.event import Event, nanoseconds, result_event, status_event
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.core.line import Hold
+from dock_gateway.core.line import Reservation
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.storage import History
 
@@ -55,7 +55,7 @@ class GoalPublisher:
             published: Called afterwards.
         """
         # A history that is shared says when they are to be published: see `History.follow`.
-        place = None if self._history.shared else self._fanout.line.hold(source_ns)
+        place = None if self._history.shared else self._fanout.line.reserve(source_ns)
         stamp = self._fanout.clock.stamp(source_ns) if place is None else place.stamp
         end = [status_event(goal, stamp, source_ns), result_event(goal, stamp, source_ns)]
         self._seals.spawn(self._seal(goal, end, self._history.seal(goal, end), place, published))
@@ -65,7 +65,7 @@ class GoalPublisher:
         goal: Goal,
         events: list[Event],
         sealing: Awaitable[list[Event] | None],
-        place: Hold | None = None,
+        place: Reservation | None = None,
         published: Callable[[Goal], None] = lambda _: None,
     ) -> None:
         stored = None

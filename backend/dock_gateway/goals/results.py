@@ -97,9 +97,9 @@ class Results:
         self._heard()
         stamp_ns = None
         if answer.status is not None and answer.status.terminal:
-            stamp_ns = await self._end_stamps.of(goal.goal_id)
+            stamp_ns = await self._end_stamps.wait_for(goal.goal_id)
         if answer.status is GoalStatus.ABORTED:
-            error = await self._reasons.of(goal.goal_id) or answer.error or GoalError(NO_REASON, SAID_NOTHING)
+            error = await self._reasons.wait_for(goal.goal_id) or answer.error or GoalError(NO_REASON, SAID_NOTHING)
             answer = replace(answer, error=error)
         answer = replace(answer, remark=self._remark())
         self._settle(goal, answer, stamp_ns)
@@ -113,7 +113,7 @@ class Results:
                 self.request_again(goal)
         if not goal.status.final:
             error = GoalError(NO_RESULT, "the goal ended, but the action server did not send its result")
-            self._settle(goal, ResultAnswer(status, None, error), await self._end_stamps.of(goal.goal_id))
+            self._settle(goal, ResultAnswer(status, None, error), await self._end_stamps.wait_for(goal.goal_id))
 
     # ------------------------------------------------------------------ the end
 

@@ -17,7 +17,7 @@ from dock_gateway.core.errors import (
     ServerTimeout,
 )
 from dock_gateway.core.grant import UNLIMITED, Grant
-from dock_gateway.core.request import hold, turn
+from dock_gateway.core.request import slot, turn
 from dock_gateway.core.work import in_turn
 from dock_gateway.graph.names import not_found
 from dock_gateway.ros.bridge import Bridge
@@ -153,7 +153,7 @@ class Parameters:
     @asynccontextmanager
     async def _port(self, node: str, grant: Grant) -> AsyncIterator[ParameterPort]:
         """Ask a node while the block runs."""
-        with hold("parameters"):
+        with slot("parameters"):
             await self._require_node(node, grant)
             try:
                 yield self._keep(node)

@@ -17,7 +17,7 @@ from dock_gateway.core.errors import GatewayError, ServerTimeout, use_other_requ
 from dock_gateway.core.goal import Json
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.graph import ACTION_PART
-from dock_gateway.core.request import act, hold
+from dock_gateway.core.request import act, slot
 from dock_gateway.graph.names import choose_type, not_found, not_installed
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.ros.bridge import Bridge
@@ -178,7 +178,7 @@ class ServiceCalls:
             act()
             self._require_released(service)
 
-        with hold("calls"), hold("calls of one", of=name), self._counted(name):
+        with slot("calls"), slot("calls of one", per=name), self._counted(name):
             client = self._client(service, kind)
             try:
                 response = await client.ask(request, timeout, before)

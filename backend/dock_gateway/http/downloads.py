@@ -29,7 +29,7 @@ async def download(request: Request, chunks: AsyncGenerator[bytes], name: str, k
 
     async def counted() -> AsyncGenerator[bytes]:
         async with aclosing(chunks):
-            with parts[Quotas].hold(principal, "exports"):
+            with parts[Quotas].slot(principal, "exports"):
                 async for chunk in chunks:
                     if permit is not None:
                         permit.require()

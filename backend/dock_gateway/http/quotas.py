@@ -1,6 +1,6 @@
 """Quotas: each user has a share of what all users share, so that a runaway script does not use up the gateway.
 
-`limits` lists everything that is shared. Lower layers take places by `core.request.hold` and `turn`.
+`limits` lists everything that is shared. Lower layers take places by `core.request.slot` and `turn`.
 """
 
 import asyncio
@@ -151,7 +151,7 @@ class Quotas:
                 del self._sent[name]
 
     @contextmanager
-    def hold(self, principal: Principal, what: str, key: Hashable = None, of: str = "") -> Iterator[None]:
+    def slot(self, principal: Principal, what: str, key: Hashable = None, per: str = "") -> Iterator[None]:
         """Take a place while the block runs.
 
         Args:
@@ -159,15 +159,15 @@ class Quotas:
             what: What is shared, as `limits` names it.
             key: What the place is for, such as a topic: a user needs one place for it, and so do all together. Default:
                 something of its own.
-            of: What the limit is of, such as a service, where each of them has its own.
+            per: What the limit is for, such as a service, where each of them has its own.
 
         Raises:
             TooManyRequests: The user has their share already, or all places are in use.
         """
         key = object() if key is None else key
-        places, user = self._places.setdefault((what, of), _Places()), _user(principal)
+        places, user = self._places.setdefault((what, per), _Places()), _user(principal)
         try:
-            self._require_room(principal, what, key, of)
+            self._require_room(principal, what, key, per)
             places.take(user, key)
             try:
                 yield
@@ -175,14 +175,14 @@ class Quotas:
                 places.give(user, key)
         finally:
             if not places.all:
-                self._places.pop((what, of), None)
+                self._places.pop((what, per), None)
 
-    def _require_room(self, principal: Principal, what: str, key: Hashable, of: str) -> None:
-        limit, places = self._limits[what], self._places[what, of]
+    def _require_room(self, principal: Principal, what: str, key: Hashable, per: str) -> None:
+        limit, places = self._limits[what], self._places[what, per]
         own = places.own.get(_user(principal), ())
         if key in own:
             return
-        noun, most = f"{limit.noun} {of}".rstrip(), limit.open_to(principal)
+        noun, most = f"{limit.noun} {per}".rstrip(), limit.open_to(principal)
         if len(own) >= limit.share_of(principal):
             kind = "address" if principal.name is None else "user"
             detail = f"{_described(principal)} {len(own)} {noun}: that is the share of one {kind}"

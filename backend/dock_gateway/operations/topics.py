@@ -6,7 +6,7 @@ from typing import Any
 
 from dock_gateway.core.access import Principal
 from dock_gateway.core.grant import Role
-from dock_gateway.core.request import hold
+from dock_gateway.core.request import slot
 from dock_gateway.graph.publishing import FoundTopic, Publishing, SentMessage
 from dock_gateway.graph.relay import Outlet
 from dock_gateway.graph.relays import Relays
@@ -40,7 +40,7 @@ async def subscribe(parts: Parts, _: Principal, order: ReadTopic) -> AsyncExitSt
     """
     relays = parts[Relays]
     async with AsyncExitStack() as reading:
-        reading.enter_context(hold("topics", order.topic))
+        reading.enter_context(slot("topics", order.topic))
         await relays.join(order.topic, order.type, order.outlet)
         reading.push_async_callback(relays.leave, order.topic, order.outlet)
         return reading.pop_all()

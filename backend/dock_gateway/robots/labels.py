@@ -56,7 +56,7 @@ class Labels:
         await self._entries.sync()
         self._task = asyncio.create_task(self._sync())
 
-    def of(self, robot: str) -> RobotLabel:
+    def get(self, robot: str) -> RobotLabel:
         """Return the label of a robot; an empty one if it has none."""
         return self._entries.get(robot) or NO_LABEL
 
@@ -70,7 +70,7 @@ class Labels:
 
     def etag(self, robot: str) -> str:
         """Return the entity tag of the label of a robot, also of an empty one."""
-        return entity_tag(self.of(robot))
+        return entity_tag(self.get(robot))
 
     async def replace(self, robot: str, label: RobotLabel, condition: Condition = UNCONDITIONAL) -> None:
         """Store the label of a robot; an empty one removes it.

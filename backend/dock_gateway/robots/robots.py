@@ -34,7 +34,7 @@ class Robots(RobotNames, Protocol):
 class RobotLabels(Protocol):
     """The display names and groups of robots."""
 
-    def of(self, robot: str) -> RobotLabel:
+    def get(self, robot: str) -> RobotLabel:
         """Return the label of a robot; an empty one if it has none."""
 
     def robots(self) -> set[str]:

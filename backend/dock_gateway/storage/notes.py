@@ -63,7 +63,7 @@ class Notes:
         self._reader = reader
         self._writer = writer
 
-    async def of(self, goal_ids: Collection[str]) -> dict[str, GoalNotes]:
+    async def read(self, goal_ids: Collection[str]) -> dict[str, GoalNotes]:
         """Return the notes and tags of those of the goals that have any."""
         return await self._reader.read(_notes_of, goal_ids)
 

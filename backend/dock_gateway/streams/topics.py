@@ -36,7 +36,7 @@ async def echo_topic(websocket: WebSocket, parts: AllParts) -> None:
     principal, topic = principal_of(websocket), parts[Settings].resolve(name, "")
     with (
         subscribed(parts, principal, EventFilter(topics=frozenset())) as subscriber,
-        parts[Quotas].hold(principal, "views", topic),
+        parts[Quotas].slot(principal, "views", topic),
     ):
         async with parts[Relays].watch(topic, subscriber, max_rate):
             await websocket.accept()

@@ -34,7 +34,7 @@ def test_what_comes_later_waits_behind_what_is_being_stored() -> None:
     fanout = Fanout(queue_limit=3)
     line, published = fanout.line, fanout.published
     fanout.publish(event(1))
-    first, second = line.hold(2), line.hold(3)
+    first, second = line.reserve(2), line.reserve(3)
     fanout.publish(event(4))
     fanout.publish(Event(b"stop", "system"))  # it has no place in the order
     assert (published["goals"], published["system"], len(line)) == (1, 1, 3)

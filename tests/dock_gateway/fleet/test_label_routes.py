@@ -38,12 +38,12 @@ def client() -> Iterator[Client]:
 
 def test_a_label_is_replaced_and_removed(client: Client) -> None:
     assert client.put(json=LEFT) == {"robot": "/robot1", **LEFT}
-    assert client.labels.of("/robot1") == RobotLabel("Left forklift", ("hall 1", "forklifts"))
+    assert client.labels.get("/robot1") == RobotLabel("Left forklift", ("hall 1", "forklifts"))
     nameless = {"display_name": None, "groups": ["hall 2"]}
     assert client.put(json=nameless) == {"robot": "/robot1", **nameless}
     empty = {"display_name": None, "groups": []}
     assert client.put(json=empty) == {"robot": "/robot1", **empty}
-    assert client.labels.of("/robot1") == RobotLabel(None, ())
+    assert client.labels.get("/robot1") == RobotLabel(None, ())
 
 
 def test_of_two_people_who_change_a_label_none_loses_a_change(client: Client) -> None:
@@ -53,7 +53,7 @@ def test_of_two_people_who_change_a_label_none_loses_a_change(client: Client) ->
     other = {"display_name": "Right forklift", "groups": []}
     refused = client.put(412, json=other, headers={"If-Match": seen["etag"]})
     assert refused["code"] == "changed_meanwhile"
-    assert client.labels.of("/robot1").display_name == "Left forklift"
+    assert client.labels.get("/robot1").display_name == "Left forklift"
     again = client.http.get("/label?robot=/robot1").headers["etag"]
     client.put(json=other, headers={"If-Match": again})
     client.put(json=LEFT)
@@ -73,7 +73,7 @@ def test_spaces_and_groups_that_repeat_are_removed(client: Client) -> None:
 
 def test_a_label_of_no_robot_in_particular_is_that_of_the_configured_one(client: Client) -> None:
     assert client.send("PUT", "/label", json=LEFT)["robot"] == "/"
-    assert client.labels.of("/").display_name == "Left forklift"
+    assert client.labels.get("/").display_name == "Left forklift"
 
 
 def test_requests_that_are_not_a_label(client: Client) -> None:
@@ -86,7 +86,7 @@ def test_requests_that_are_not_a_label(client: Client) -> None:
         assert client.put(422, robot, json=LEFT)["errors"][0]["path"] == "robot"
     assert client.put(422, json=LEFT | {"robot": "/robot1"})["errors"][0]["path"] == "robot"
     assert client.put(422, json=LEFT | {"groups": ["hall 1", ""]})["errors"][0]["path"] == "groups.1"
-    assert client.labels.of("/robot1") == RobotLabel(None, ())
+    assert client.labels.get("/robot1") == RobotLabel(None, ())
 
 
 def test_a_name_that_is_taken(client: Client) -> None:
@@ -104,4 +104,4 @@ def test_a_history_that_does_not_answer(client: Client, monkeypatch: pytest.Monk
     client.put(json=LEFT)
     monkeypatch.setattr(EntriesInMemory, "write", fail)
     assert client.put(503, json=LEFT | {"display_name": None})["code"] == "history_unavailable"
-    assert client.labels.of("/robot1").display_name == "Left forklift"
+    assert client.labels.get("/robot1").display_name == "Left forklift"

@@ -50,15 +50,15 @@ def test_no_minute_has_more_goals_of_one_user_and_none_is_refused_without_need(
 def test_streams_and_exports_are_counted_while_they_are_open() -> None:
     quotas = Quotas(SETTINGS)
     with ExitStack() as stack:
-        stack.enter_context(quotas.hold(ADA, "streams"))
-        stack.enter_context(quotas.hold(ADA, "streams"))
-        stack.enter_context(quotas.hold(ADA, "exports"))
-        stack.enter_context(quotas.hold(BOB, "streams"))
+        stack.enter_context(quotas.slot(ADA, "streams"))
+        stack.enter_context(quotas.slot(ADA, "streams"))
+        stack.enter_context(quotas.slot(ADA, "exports"))
+        stack.enter_context(quotas.slot(BOB, "streams"))
         for what in ("streams", "exports"):
-            with pytest.raises(TooManyRequests) as refused, quotas.hold(ADA, what):
+            with pytest.raises(TooManyRequests) as refused, quotas.slot(ADA, what):
                 pass
             assert refused.value.code == f"too_many_{what}"
-    with quotas.hold(ADA, "exports"), quotas.hold(ADA, "streams"):
+    with quotas.slot(ADA, "exports"), quotas.slot(ADA, "streams"):
         pass
 
 
@@ -68,4 +68,4 @@ def test_nobody_is_limited_where_nobody_is_known(anybody: Principal) -> None:
     assert all(sends(quotas, anybody) for _ in range(MOST * 10))
     with ExitStack() as stack:
         for _ in range(10):
-            stack.enter_context(quotas.hold(anybody, "exports"))
+            stack.enter_context(quotas.slot(anybody, "exports"))

@@ -24,7 +24,7 @@ async def test_a_topic_takes_a_place_and_is_read_until_it_is_closed() -> None:
     quotas = Quotas(Settings(), {"topics": Limit("topics", 1, 1, 0)})
 
     def is_free() -> bool:
-        with suppress(TooManyRequests), quotas.hold(ada, "topics"):
+        with suppress(TooManyRequests), quotas.slot(ada, "topics"):
             return True
         return False
 

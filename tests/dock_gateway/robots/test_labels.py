@@ -38,14 +38,14 @@ async def site() -> AsyncIterator[Site]:
 
 async def test_other_gateways_see_a_label_now_and_after_a_start(site: Site) -> None:
     one, other = await site.gateway(), await site.gateway()
-    assert one.of("/robot1") == NO_LABEL
+    assert one.get("/robot1") == NO_LABEL
     await one.replace("/robot1", LEFT)
-    assert one.of("/robot1") == LEFT
-    await until(lambda: other.of("/robot1") == LEFT)
-    assert (await site.gateway()).of("/robot1") == LEFT
+    assert one.get("/robot1") == LEFT
+    await until(lambda: other.get("/robot1") == LEFT)
+    assert (await site.gateway()).get("/robot1") == LEFT
     await other.replace("/robot1", NO_LABEL)
-    assert other.of("/robot1") == NO_LABEL
-    await until(lambda: one.of("/robot1") == NO_LABEL)
+    assert other.get("/robot1") == NO_LABEL
+    await until(lambda: one.get("/robot1") == NO_LABEL)
     assert await site.store.read() == {}
 
 
@@ -59,7 +59,7 @@ async def test_a_display_name_belongs_to_one_robot(site: Site, name: str) -> Non
     with pytest.raises(Conflict) as refused:
         await labels.replace("/robot1", RobotLabel(name, ()))
     assert refused.value.code == "display_name_taken"
-    assert labels.of("/robot1") == RobotLabel(None, ("hall 2",))
+    assert labels.get("/robot1") == RobotLabel(None, ("hall 2",))
     assert await site.store.read() == {"/not/there/yet": LEFT, "/robot1": RobotLabel(None, ("hall 2",))}
 
 
@@ -77,7 +77,7 @@ async def test_a_robot_keeps_its_own_name(site: Site) -> None:
     labels = await site.gateway()
     for name in ("Left forklift", "left forklift", "/robot1", "ROBOT1"):
         await labels.replace("/robot1", RobotLabel(name, ("hall 1",)))
-        assert labels.of("/robot1").display_name == name
+        assert labels.get("/robot1").display_name == name
 
 
 async def test_without_the_history_nothing_changes(site: Site) -> None:
@@ -88,11 +88,11 @@ async def test_without_the_history_nothing_changes(site: Site) -> None:
         with pytest.raises(Unavailable) as refused:
             await labels.replace("/robot1", label)
         assert refused.value.code == "history_unavailable"
-    assert labels.of("/robot1") == LEFT
+    assert labels.get("/robot1") == LEFT
     late = await site.gateway()
-    assert late.of("/robot1") == NO_LABEL
+    assert late.get("/robot1") == NO_LABEL
     site.store.away = False
-    await until(lambda: late.of("/robot1") == LEFT)
+    await until(lambda: late.get("/robot1") == LEFT)
 
 
 async def test_there_are_not_endlessly_many(site: Site) -> None:

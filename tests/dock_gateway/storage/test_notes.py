@@ -21,7 +21,7 @@ def note(number: int, text: str = "wheel was blocked by a box ü\n\tand a 'chair
 
 async def notes_on(history: History) -> tuple[Note, ...]:
     """The notes of the first goal."""
-    return (await history.notes.of(["goal-0001"]))["goal-0001"].notes
+    return (await history.notes.read(["goal-0001"]))["goal-0001"].notes
 
 
 pytestmark = pytest.mark.usefixtures("patient")
@@ -31,10 +31,10 @@ async def test_notes_and_tags_are_stored_and_deleted(place: str, tmp_path: Path)
     async with open_place(place, tmp_path) as history:
         await ready(history)
         store = history.notes
-        assert await store.of(["goal-0001"]) == {}
+        assert await store.read(["goal-0001"]) == {}
         await store.add("goal-0001", note(2))
         await store.add("goal-0001", note(3))
-        assert await store.of(["goal-0001", "goal-0002"]) == {"goal-0001": GoalNotes((), (note(2), note(3)))}
+        assert await store.read(["goal-0001", "goal-0002"]) == {"goal-0001": GoalNotes((), (note(2), note(3)))}
         await store.add("goal-0002", note(4))
         await store.replace_tags("goal-0001", ["maintenance", "blocked"])
         await store.replace_tags("goal-0002", ["blocked", "Ärger"])
@@ -47,7 +47,7 @@ async def test_notes_and_tags_are_stored_and_deleted(place: str, tmp_path: Path)
         for goal_id in ("goal-0001", "goal-0002"):
             await store.remove(goal_id, note(2).id)  # it is gone, or another goal's
         await store.replace_tags("goal-0002", [])
-        assert await store.of(["goal-0001", "goal-0002", "goal-0003"]) == {
+        assert await store.read(["goal-0001", "goal-0002", "goal-0003"]) == {
             "goal-0001": GoalNotes(("blocked", "maintenance"), (note(3),)),
             "goal-0002": GoalNotes((), (note(4),)),
         }
@@ -78,7 +78,7 @@ async def test_two_gateways_have_the_same(database_url: str, tmp_path: Path) -> 
         assert sum(isinstance(end, Conflict) for end in ends) == 3
         assert len(await notes_on(one)) == MAX_NOTES
         await other.notes.replace_tags("goal-0001", ["blocked"])
-        assert await one.notes.of(["goal-0001"]) == await other.notes.of(["goal-0001"])
+        assert await one.notes.read(["goal-0001"]) == await other.notes.of(["goal-0001"])
 
 
 @pytest.mark.parametrize("waiting", [False, True])

@@ -191,7 +191,7 @@ async def test_a_text_that_the_database_refuses_is_no_outage(postgresql_url: str
     async with open_at(postgresql_url, tmp_path) as history:
         await history.add(make_goal(1))
         with pytest.raises(Unavailable):
-            await history.notes.of([text])
+            await history.notes.read([text])
         with pytest.raises(Unavailable):
             await history.notes.replace_tags("goal-0001", [text])
         await history.claim(text, "goal-0002", "f")

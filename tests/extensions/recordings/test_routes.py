@@ -42,7 +42,7 @@ async def test_it_counts_until_it_is_sent_or_the_client_leaves(leaves: bool) -> 
     with contextlib.suppress(Exception):
         await response()(SCOPE, receive, send)
     assert b"".join(sent) == (DATA[:PIECE] if leaves else DATA)
-    with quotas.hold(ADA, "exports"):
+    with quotas.slot(ADA, "exports"):
         pass
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.grant import Role
-from dock_gateway.core.request import hold
+from dock_gateway.core.request import slot
 from dock_gateway.core.work import Work
 from dock_gateway.extensions.rosbridge.protocol import Subscribe
 from dock_gateway.extensions.rosbridge.subscriptions import RosbridgeSubscriptions
@@ -32,4 +32,4 @@ async def test_a_subscription_that_fails_keeps_no_place() -> None:
                 await subscriptions.subscribe(topic, "bad_package/msg/Bad", number, Subscribe(topic=topic))
         with ExitStack() as stack:
             for _ in range(int(limits(Settings())["topics"].share)):  # all of them are free
-                stack.enter_context(hold("topics"))
+                stack.enter_context(slot("topics"))

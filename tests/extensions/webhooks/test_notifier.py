@@ -52,7 +52,7 @@ class Gateway(Webhooks):
     """The webhooks of one gateway."""
 
     def __init__(self, alerts: Any, book: SharedBook[WebhookEntry], outbox: Outbox, **timing: Any) -> None:
-        labels = cast("Labels", SimpleNamespace(of=lambda robot: LABELS.get(robot, RobotLabel(None, ()))))
+        labels = cast("Labels", SimpleNamespace(get=lambda robot: LABELS.get(robot, RobotLabel(None, ()))))
         self.notifier = Notifier(
             alerts, labels, book, outbox, **{"interval": 0.01, "read_every": 1, "tidy_every": 1} | timing
         )

@@ -37,7 +37,7 @@ class Client(RouteClient):
         outbox = Outbox(book, SharedEntries(self._history.documents("delivery", DeliveryEntry)))
         notifier = Notifier(
             cast("Any", SimpleNamespace(documents=list)),
-            cast("Any", SimpleNamespace(of=lambda _: RobotLabel(None, ()))),
+            cast("Any", SimpleNamespace(get=lambda _: RobotLabel(None, ()))),
             book,
             outbox,
         )

@@ -66,7 +66,7 @@ def _name_of(parts: Parts, robot: str | None) -> str:
 
 def _answer_label(parts: Parts, robot: str) -> Item[Label]:
     labels = parts[Labels]
-    return item_response({"robot": robot, "etag": labels.etag(robot), **vars(labels.of(robot))})
+    return item_response({"robot": robot, "etag": labels.etag(robot), **vars(labels.get(robot))})
 
 
 AlertId = Annotated[str, Path(description="`id` of the alert")]

@@ -8,7 +8,7 @@ from http import HTTPStatus
 from dock_gateway.core.errors import GatewayError, NotFound, Unavailable, not_covered
 from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.grant import UNLIMITED, Grant
-from dock_gateway.core.request import hold
+from dock_gateway.core.request import slot
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.extensions.cameras.camera import COMPRESSED, IMAGE, Camera, Form, find_cameras
 from dock_gateway.extensions.cameras.picture import Picture
@@ -145,7 +145,7 @@ class Cameras:
     @asynccontextmanager
     async def _watched(self, camera: Camera, viewer: Subscriber) -> AsyncIterator[Watch]:
         """Watch a camera for a viewer while the block runs."""
-        with hold("cameras", camera.topics[0]):
+        with slot("cameras", camera.topics[0]):
             async with self._changing:
                 watch = self._watches.get(camera.topics) or await self._open(camera)
                 watch.viewers.add(viewer)

@@ -89,7 +89,7 @@ async def _chunks(pieces: Sequence[bytes]) -> AsyncGenerator[bytes]:
 
 
 async def _view(maps: Maps, robots: RobotRegistry, grant: Grant, robot: str | None) -> Surroundings:
-    view = await maps.of(robots.get(robot).namespace)
+    view = await maps.surroundings(robots.get(robot).namespace)
     if view.feed is not None and not grant.shows(view.feed.topic):
         raise not_covered(f"the topic {view.feed.topic}")
     return view

@@ -70,7 +70,7 @@ class Maps:
         for topic in (MAP, SCAN, PATH, MAPS):
             fanout.on_watch(topic, self._changed.set)
 
-    async def of(self, robot: str) -> Surroundings:
+    async def surroundings(self, robot: str) -> Surroundings:
         """Return what is known of a robot's map, which is read for a while from now on.
 
         Raises:

@@ -55,7 +55,7 @@ class RecordingResponse(FileResponse):
 
     def __init__(self, principal: Principal, timeout: float, quotas: Quotas, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
-        self._held = quotas.hold(principal, "exports")
+        self._slot = quotas.slot(principal, "exports")
         self._timeout = timeout
 
     async def __call__(self, scope: ConnectionScope, receive: Receive, send: Send) -> None:
@@ -79,7 +79,7 @@ class RecordingResponse(FileResponse):
                 raise FileNotFoundError("it has been cut off meanwhile")
             await send_in_time(send, message, self._timeout)
 
-        with self._held, contextlib.suppress(TimeoutError, FileNotFoundError):
+        with self._slot, contextlib.suppress(TimeoutError, FileNotFoundError):
             await super().__call__(scope, receive, send_on)
 
 
@@ -89,7 +89,7 @@ class PartResponse(PacedResponse):
     def __init__(self, principal: Principal, timeout: float, quotas: Quotas, data: memoryview, name: str) -> None:
         headers = {"Content-Disposition": f'attachment; filename="{name}"', "Content-Length": str(len(data))}
         super().__init__(b"", _pieces(data), timeout, media_type=MCAP, headers=headers)
-        self._held = quotas.hold(principal, "exports")
+        self._slot = quotas.slot(principal, "exports")
 
     async def __call__(self, scope: ConnectionScope, receive: Receive, send: Send) -> None:
         """Send the file.
@@ -97,7 +97,7 @@ class PartResponse(PacedResponse):
         Raises:
             TooManyRequests: The user has too many exports (`too_many_exports`).
         """
-        with self._held:
+        with self._slot:
             await super().__call__(scope, receive, send)
 
 
@@ -127,7 +127,7 @@ async def download_recording(
     name = f"goal-{goal_id}.mcap"
     grant = principal.grant
     if grant.limited or grant.topics:
-        with quotas.hold(principal, "exports"):
+        with quotas.slot(principal, "exports"):
             data = await recordings.narrowed(found, grant)
         return PartResponse(principal, settings.subscriber_timeout, quotas, data, name)
     tag = f'"{found.goal_id}-{found.size}-{int(found.at * 1e6)}"'
@@ -191,7 +191,7 @@ async def download_recent(
 ) -> Response:
     """Download what has been heard of a robot in the last seconds, as MCAP: someone has just seen something odd."""
     namespace = robots.get(robot).namespace
-    with quotas.hold(principal, "exports"):
+    with quotas.slot(principal, "exports"):
         data = await recordings.of_robot(namespace, principal.grant)
     name = namespace.strip("/").replace("/", "-") or "robot"
     file = f"{name}-{utc_now():%Y%m%dT%H%M%SZ}.mcap"

@@ -85,7 +85,7 @@ async def finish_login(request: Request, logins: Part[ProviderLogins], quotas: P
         audited(request, subject=person)
 
     async def finish() -> Response:
-        with quotas.hold(stranger(request), "provider logins"):
+        with quotas.slot(stranger(request), "provider logins"):
             request.scope["principal"], secret = await logins.log_in(
                 attempt,
                 request.query_params,

@@ -117,7 +117,7 @@ class Notifier:
 
     def _label_of(self, alert: Document) -> RobotLabel:
         """Return the label of an alert's robot; an empty one if the alert concerns the gateway."""
-        return NO_LABEL if alert["robot"] is None else self._labels.of(alert["robot"])
+        return NO_LABEL if alert["robot"] is None else self._labels.get(alert["robot"])
 
     async def _clear_earlier(self) -> None:
         """Send the end of alerts that were raised before this gateway started, and have not come again."""
