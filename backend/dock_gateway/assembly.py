@@ -88,7 +88,7 @@ def _join_ros(parts: Parts, stack: AsyncExitStack) -> None:
     """Join the ROS graph, and make what publishes events in the order of all gateways that share the history."""
     settings, history, catalog = parts[Settings], parts[History], DockingCatalog(parts[Settings])
     fanout = Fanout(queue_limit=settings.subscriber_queue, keep=history.record_event, newest=history.newest)
-    fanout.line.on_want = history.follow(fanout.line.allow)
+    fanout.line.on_want.append(history.follow(fanout.line.allow))
     parts.add(Fanout, fanout)
     bridge = Bridge(settings.node_name, settings.namespace, settings.max_message_bytes, own_topics=OwnTopics(settings))
     bridge.start()

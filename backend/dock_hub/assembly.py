@@ -117,7 +117,7 @@ def _open_sites(settings: HubSettings, parts: Parts, stack: AsyncExitStack) -> N
     sites = parts.add(Sites, closed_by(stack, Sites(parts[Broker], parts[Caller], signer, history, store)))
     stops = parts.add(Stops, closed_by(stack, Stops(sites, history.documents("stop", StopEntry))))
     sites.pending_stop = stops.pending
-    history.on_loss = sites.read_again
+    history.on_loss.append(sites.read_again)
     history.retention.goals_by_size = BY_SITE
 
 

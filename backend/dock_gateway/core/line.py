@@ -5,6 +5,7 @@ from collections import OrderedDict, deque
 from collections.abc import Callable, Iterable
 
 from dock_gateway.core.event import Event, EventClock, is_end, restamped
+from dock_gateway.core.listeners import Listeners
 
 # Seconds after which it is asked again what may be published, while there is something to publish.
 WANT_AFTER = 0.1
@@ -47,7 +48,7 @@ class Line:
     """
 
     def __init__(self, clock: EventClock, deliver: Callable[[Event], None]) -> None:
-        self.on_want: Callable[[], None] = lambda: None
+        self.on_want = Listeners[[]]("permission to publish is wanted")
         self._clock = clock
         self._deliver = deliver
         self._waiting: deque[Event | Reservation] = deque()

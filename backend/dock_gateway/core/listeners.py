@@ -1,4 +1,7 @@
-"""What others add to a part of the gateway, such as functions to call when something has happened."""
+"""What others add to a part of the gateway, such as functions to call when something has happened.
+
+A part gets what it needs as arguments. What is made after it, and the part calls or asks, is added here.
+"""
 
 import logging
 from collections.abc import Callable, Iterator

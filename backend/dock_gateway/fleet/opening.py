@@ -41,7 +41,7 @@ def open_fleet(parts: Parts, stack: AsyncExitStack) -> None:
     _listen_to_poses(parts, stack)
     # Mistakes on the graph are also named where a goal is aborted because of them.
     graph_watch = parts.add(GraphWatch, GraphWatch(settings, parts[Bridge], robots, parts[RobotActions]))
-    actions.remark = graph_watch.remark
+    actions.remarks.append(graph_watch.remark)
     _open_alerts(parts, stack)
     fleet = Fleet(
         settings,

@@ -50,7 +50,7 @@ async def open_goals(parts: Parts, stack: AsyncExitStack) -> None:
         limits=parts[GoalLimits],
     )
     parts.add(ActionRegistry, closed_by(stack, actions))
-    history.on_loss = lambda: store_unfinished(actions, history)
+    history.on_loss.append(lambda: store_unfinished(actions, history))
     parts.add(Goals, Goals(actions, robot_actions, history))
     parts.add(GoalDocuments, GoalDocuments(history))
     parts.add(KnownRobots, KnownRobots(settings, robots, parts[Labels], robot_actions, history))

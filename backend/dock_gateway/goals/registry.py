@@ -63,7 +63,8 @@ class ActionRegistry:
 
     Attributes:
         robot_actions: The robots of the actions.
-        remark: Returns what is wrong around the robot of an action: added to the reason of goals that are aborted.
+        remarks: Each returns what is wrong around the robot of an action, or "": added to the reason of goals that are
+            aborted.
         before_send: Called and awaited before each goal is sent through the gateway; what it raises refuses the goal.
         before_lost: Called with a goal of any action that is about to be lost; what was done is added to the reason.
         on_sent: Called with a goal of any action when this gateway sends it.
@@ -89,12 +90,12 @@ class ActionRegistry:
     ) -> None:
         self._settings = settings
         self._bridge = bridge
-        self.remark: Callable[[str], str] = lambda _: ""
         self._robots = robots
         self.robot_actions = robot_actions
         self._catalog = robot_actions.catalog
         self._share = share
         self._forget_after = forget_after
+        self.remarks = Hooks[Callable[[str], str]]()
         self.before_send = Hooks[BeforeSend]()
         self.before_lost = Hooks[BeforeLost]()
         self._shared = Shared(settings, fanout, history, reasons, interlock, limits, self.before_send, self.before_lost)
@@ -166,7 +167,7 @@ class ActionRegistry:
             port,
             self._shared,
             adapter=adapter,
-            remark=lambda: self.remark(name),
+            remark=lambda: " ".join(filter(None, (remark(name) for remark in self.remarks))),
             default_dock=self._shared.settings.default_dock_of(robot or self._configured_namespace),
             pinned=name in self._pinned,
             ping_idle=name in self._pinned or robot == self._configured_namespace,

@@ -15,6 +15,7 @@ from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import NEVER, Event, time_id
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal
+from dock_gateway.core.listeners import Listeners
 from dock_gateway.core.tasks import cancel
 from dock_gateway.storage import queries
 from dock_gateway.storage.audit import AuditStore
@@ -102,7 +103,7 @@ class History:
         self.audit = AuditStore(self.reader, self.immediate)
         self._events = EventReader(self.reader, self.waiting)
         self.retention = Retention(self.database, limits)
-        self.on_loss: Callable[[], None] = lambda: None
+        self.on_loss = Listeners[[]]("stored data was lost")
         self._tasks: list[asyncio.Task[None]] = []
 
     async def open(self) -> None:

@@ -89,7 +89,7 @@ def test_events_after_an_end_from_the_future_are_stamped_later() -> None:
 def test_permission_is_asked_for_only_when_it_may_soon_be_needed() -> None:
     line, _ = make()
     asked: list[int] = []
-    line.on_want = lambda: asked.append(1)
+    line.on_want.append(lambda: asked.append(1))
     line.put(event(1))
     line.allow([], allowed(9))
     line.put(event(2))

@@ -107,7 +107,7 @@ class Gateway(Process):
         await history.open()
         self.history = history
         self.fanout = Fanout(queue_limit=1000, keep=history.record_event, newest=history.newest)
-        self.fanout.line.on_want = history.follow(self.fanout.line.allow)
+        self.fanout.line.on_want.append(history.follow(self.fanout.line.allow))
         settings = SimpleNamespace(heartbeat_interval=3600.0)
         self.parts = Parts({Fanout: self.fanout, History: history, Settings: settings, Present: GoalsOnly(history)})
         actions: Any = self

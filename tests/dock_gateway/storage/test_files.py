@@ -68,7 +68,7 @@ async def test_a_deleted_file_is_begun_anew(delete: Callable[[Path], None], tmp_
     path = tmp_path / "data" / "history.db"
     running = make_goal(3, GoalStatus.EXECUTING)
     async with open_at(f"sqlite:///{path}", tmp_path) as history:
-        history.on_loss = lambda: history.record(running)
+        history.on_loss.append(lambda: history.record(running))
         await history.add(make_goal(1), "key")
         history.record_event(make_event(1))
         await written(history)
