@@ -109,7 +109,7 @@ def test_the_list_has_every_bound() -> None:
 
 
 def test_each_share_is_taken_somewhere() -> None:
-    assert set(re.findall(r'hold\((?:\w+(?:\(\w*\))?, )?"([^"]+)"', SOURCE)) == set(LIMITS)
+    assert set(re.findall(r'slot\((?:\w+(?:\(\w*\))?, )?"([^"]+)"', SOURCE)) == set(LIMITS)
     assert set(TURNS) < set(TAKING_TURNS)
 
 

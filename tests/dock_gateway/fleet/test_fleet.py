@@ -80,10 +80,6 @@ class Parts:
         action = self.get(name)
         return ServerState(name, "", available=False, answering=False) if action is None else action.watch.state
 
-    # the labels
-    def of(self, name: str) -> RobotLabel:
-        return self.labels.get(name, NO_LABEL)
-
     # and the others
     def shown(self, _: str) -> dict[str, Any]:
         return RELEASED
@@ -112,6 +108,7 @@ class Parts:
 
     def fleet(self) -> Fleet:
         parts: Any = self
+        labels: Any = SimpleNamespace(get=lambda name: self.labels.get(name, NO_LABEL))
         return Fleet(
             Settings(),
             self.fanout,
@@ -122,7 +119,7 @@ class Parts:
             interlock=parts,
             simulators=parts,
             last_goals=parts,
-            labels=parts,
+            labels=labels,
             alerts=parts,
         )
 

@@ -78,7 +78,7 @@ async def test_two_gateways_have_the_same(database_url: str, tmp_path: Path) -> 
         assert sum(isinstance(end, Conflict) for end in ends) == 3
         assert len(await notes_on(one)) == MAX_NOTES
         await other.notes.replace_tags("goal-0001", ["blocked"])
-        assert await one.notes.read(["goal-0001"]) == await other.notes.of(["goal-0001"])
+        assert await one.notes.read(["goal-0001"]) == await other.notes.read(["goal-0001"])
 
 
 @pytest.mark.parametrize("waiting", [False, True])
