@@ -51,7 +51,6 @@ class Contents:
         codes: Further error codes.
         fields: Further fields of components, by the name of the component: the model of each, which may be null.
         asyncapi: Makes the AsyncAPI document from the OpenAPI document, if there is one.
-        many_sites: Whether it is one dashboard for many sites, each below `/sites/{site}`.
     """
 
     description: str
@@ -62,7 +61,6 @@ class Contents:
     codes: Sequence[ErrorCode] = ()
     fields: Mapping[str, Mapping[str, type[BaseModel]]] = field(default_factory=dict)
     asyncapi: Callable[[Document], Document] | None = None
-    many_sites: bool = False
 
 
 def build_app(
@@ -103,7 +101,7 @@ def build_app(
     routes = _add_routes(app, routers)
     _add_documents(app, settings, contents)
     install_upgrades(app, routes)
-    _add_middleware(app, settings, allowed_methods([*routes, *app.routes]), many_sites=contents.many_sites)
+    _add_middleware(app, settings, allowed_methods([*routes, *app.routes]))
     return app
 
 
@@ -136,7 +134,7 @@ def _add_documents(app: FastAPI, settings: Settings, contents: Contents) -> None
     install_dashboard(app, settings)
 
 
-def _add_middleware(app: FastAPI, settings: Settings, allowed: AllowedMethods, *, many_sites: bool) -> None:
+def _add_middleware(app: FastAPI, settings: Settings, allowed: AllowedMethods) -> None:
     """Add what is around the routes; the last one added is the outermost."""
     if settings.allowed_origins:
         app.add_middleware(
@@ -150,8 +148,7 @@ def _add_middleware(app: FastAPI, settings: Settings, allowed: AllowedMethods, *
         )
     app.add_middleware(AuditTrail)
     app.add_middleware(OriginGuard, settings=settings)
-    install_problems(app, allowed, many_sites=many_sites)
-    app.state.many_sites = many_sites
+    install_problems(app, allowed, many_sites=settings.many_sites)
     app.state.requests = RequestMetrics()
     app.add_middleware(RequestMeter, metrics=app.state.requests)
     app.add_middleware(HeadAsGet)

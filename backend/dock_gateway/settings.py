@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Iterable
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Literal, Self, TypeVar
+from typing import ClassVar, Literal, Self, TypeVar
 
 import platformdirs
 from pydantic import model_validator
@@ -101,7 +101,13 @@ T = TypeVar("T")
 
 # The last base comes first in the help.
 class Settings(LimitSettings, HistorySettings, RobotSettings, AccessSettings, ServerSettings, SettingsGroup):
-    """The gateway's settings, fixed once it runs. docs/configuration.md lists them; a test keeps the list complete."""
+    """The gateway's settings, fixed once it runs. docs/configuration.md lists them; a test keeps the list complete.
+
+    Attributes:
+        many_sites: Whether the program is one dashboard for many sites, each below `/sites/{site}`.
+    """
+
+    many_sites: ClassVar[bool] = False
 
     @model_validator(mode="after")
     def _check(self) -> Self:

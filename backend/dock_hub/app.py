@@ -62,7 +62,6 @@ CONTENTS = Contents(
     models=(HubStopProblem, HubReleaseProblem),
     codes=CODES,
     fields=dict.fromkeys(("Goal", "ExportedGoal"), GOAL_FIELDS),
-    many_sites=True,
 )
 ROUTERS = tuple(
     module.router

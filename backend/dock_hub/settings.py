@@ -19,6 +19,7 @@ class HubSettings(BrokerSettings, Settings):
     """The settings of a hub, fixed once it runs. docs/extensions/sites.md lists its own."""
 
     group: ClassVar[str] = "Sites"
+    many_sites: ClassVar[bool] = True
 
     nats: Brokers = Field((), description="NATS servers, separated by commas, over which the hub reaches its sites.")
     hub_private_key: Path | None = Field(

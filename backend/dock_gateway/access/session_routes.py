@@ -65,7 +65,7 @@ def _session(request: Request, settings: Settings, logins: Logins, principal: Pr
         "required": settings.authentication,
         "open_to": None if FORWARDED in request.scope else settings.open_to,
         "principal": who,
-        "hub": request.app.state.many_sites,
+        "hub": settings.many_sites,
         "share": [] if principal is None else settings.serve_robots,
         "provider": None if page is None else page._asdict(),
     }
