@@ -27,7 +27,7 @@ def find_start_fault(environment: Mapping[str, str]) -> str | None:
 
 
 def find_ros_fault(environment: Mapping[str, str]) -> str | None:
-    """The same, of what is installed alone."""
+    """Return what is wrong with the installed packages; None if nothing is known to be."""
     return find_package_fault(environment) or find_mixture_fault(environment) or find_middleware_fault(environment)
 
 

@@ -22,7 +22,7 @@ class Rotate:
         self._velocity = Velocity(0.0, speed)
 
     def step(self, observation: Observation, dt: float) -> Velocity:
-        """The same velocity always: `speed` rad/s, counter-clockwise."""
+        """Return the velocity: always `speed` rad/s, counter-clockwise."""
         return self._velocity
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 
 def normalize_angle(angle: float) -> float:
-    """The same direction between -pi and pi."""
+    """Return an angle between -pi and pi with the same direction."""
     return math.remainder(angle, math.tau)
 
 

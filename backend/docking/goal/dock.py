@@ -176,7 +176,7 @@ class Docking(Objective):
         return deadline
 
     def reword(self, failure: DockingError) -> DockingError:
-        """The same, with a hint where the charge broke off, or the battery's status is never set."""
+        """Return a failure with a hint where the charge broke off, or the battery's status is never set."""
         if isinstance(failure, FailedToCharge) and (story := self._record.describe()):
             return FailedToCharge(f"{failure}: {story}")
         if (

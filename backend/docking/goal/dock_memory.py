@@ -39,7 +39,7 @@ class LastDocking:
 
     @classmethod
     def from_values(cls, values: Mapping[str, Any]) -> "LastDocking":
-        """The same, of its values by name."""
+        """Return a docking from its values by name."""
         place = values["place"]
         dock, camera = from_values(Dock, values["dock"]), Pose(**values["camera"])
         return cls(dock, place and Pose(**place), values["turn"], camera)
@@ -93,7 +93,7 @@ class DockMemory:
         return last if last.dock == dock else LastDocking(dock, last.place)
 
     def shifted(self, by: float) -> "DockMemory":
-        """The same on a clock that is ahead by some seconds."""
+        """Return the memory on a clock that is ahead by some seconds."""
         return replace(self, since=self.since + by, hits=self.hits.shifted(by))
 
     def as_json(self, now: float) -> str:

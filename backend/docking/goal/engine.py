@@ -305,7 +305,7 @@ class Goal:
         return self._finish(Outcome(End.ABORTED, error_code, explained, self.retries, doubts))
 
     def _give_up(self, error_code: ErrorCode, error_msg: str) -> Outcome:
-        """The same; a goal that had failed before, and was on its way back, ends with the first reason."""
+        """Abort the goal. One that had failed before, and was on its way back, ends with the first reason."""
         if self._stage is Stage.RETURN_TO_STAGING:
             failure = self._recovery.meanwhile(self._stage, error_msg)
             return self.abort(failure.error_code, str(failure))

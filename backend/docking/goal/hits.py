@@ -39,7 +39,7 @@ class Hits:
         self.places = [(place, at) for place, at in self.places if 0.0 <= now - at <= KEPT_FOR]
 
     def shifted(self, by: float) -> "Hits":
-        """The same on a clock that is ahead by some seconds."""
+        """Return the places on a clock that is ahead by some seconds."""
         return replace(self, places=[(place, at + by) for place, at in self.places])
 
     def distance(self, robot: Pose, way: float, linear: float) -> float:

@@ -190,7 +190,7 @@ class MotionWatch:
         )
 
     def ahead(self, observation: Observation) -> Observation:
-        """The same when a command that is given now takes effect: the robot is where it will be then.
+        """Return the observation of the moment when a command that is given now takes effect, with the robot there.
 
         It says how fast the base slows down, too.
         """

@@ -50,7 +50,7 @@ class DockAction(RobotAction[DockSettings]):
     knows_docks = True
 
     def needs(self, settings: DockSettings) -> frozenset[Sensor]:
-        """Those of the controller, and the laser scan where obstacles are watched."""
+        """Return the sensors of the controller, and the laser scan where obstacles are watched."""
         needs = frozenset(map(Sensor, sensors_of(settings)))
         watched = settings.collision.use_collision_detection and Sensor.ODOMETRY in needs
         needs |= {Sensor.JOINTS} if settings.joints and Sensor.ODOMETRY in needs else set()

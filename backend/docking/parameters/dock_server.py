@@ -101,22 +101,22 @@ class DockSettings(ServerSettings):
 
     @property
     def dock_types(self) -> tuple[str, ...]:
-        """Those of the database."""
+        """The types of docks, by name."""
         return self.database.dock_plugins
 
     @property
     def marker_tilt(self) -> Transform:
-        """As the parameters of the dock say."""
+        """The tilt of the marker, by the parameters of the dock."""
         return self.dock.tilt
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """As the parameters say."""
+        """The joints that stall detection watches."""
         return self.stall.joints
 
     @property
     def switched(self) -> DetectorSettings:
-        """As the parameters say."""
+        """The settings that switch the detector of the dock on and off."""
         return self.detector
 
     def at_dock(self, name: str) -> Self:

@@ -34,7 +34,7 @@ def read_nav2(given: Mapping[str, Value], resolve: Callable[[str], str] = str) -
 
 
 def read_nav2_for_undocking(given: Mapping[str, Value], resolve: Callable[[str], str] = str) -> Meanings:
-    """The same for the undocking server, which has no types of docks: what they agree in counts.
+    """Return the meaning of parameters for the undocking server. It has no types of docks: what these agree in counts.
 
     Raises:
         ValueError: See `read_nav2`.

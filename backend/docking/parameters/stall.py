@@ -26,5 +26,5 @@ class StallSettings:
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """Those that count; none without stall detection."""
+        """The joints whose effort counts; none without stall detection."""
         return self.stall_joint_names if self.use_stall_detection else ()

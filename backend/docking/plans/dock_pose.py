@@ -238,7 +238,7 @@ class DockPosePlan(SightedPlan):
         )
 
     def _forwards(self, stage: Stage) -> Behavior:
-        """The same for a robot that docks forwards."""
+        """Return the behavior of a stage, for a robot that docks forwards."""
         if stage is Stage.INITIAL_PERCEPTION:
             self._last_marker = self.marker.pose or self._last_marker
             self.marker.forget()

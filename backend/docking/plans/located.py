@@ -53,7 +53,7 @@ class StandsHere(DockTarget):
 
 
 class LocatedPlan(DockPosePlan):
-    """As with a marker, whose detections are the poses that the localization gives; then presses beside each other.
+    """Docks as `DockPosePlan` does, with the poses of the localization as detections; then presses beside each other.
 
     The estimate is kept in odom. A pose that has jumped is not followed before it has lasted, nor near the dock. How
     far the pose may be off decides where the robot drives slowly, and how far it drives on without a contact.
@@ -156,7 +156,7 @@ class LocatedPlan(DockPosePlan):
         return super()._forwards(stage)
 
     def _turn_on(self, back_off: Behavior) -> Behavior:
-        """The same place again: by then the localization may know better."""
+        """Return a behavior that tries the same place again: by then the localization may know better."""
         return back_off
 
     def _to_staging(self) -> Behavior:

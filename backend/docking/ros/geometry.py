@@ -33,7 +33,7 @@ def pose_from(message: PoseMessage) -> Pose:
 
 
 def transform_from(translation: Point | Vector3, rotation: Quaternion) -> Transform:
-    """The same in space.
+    """The transform in space that a translation and a rotation mean.
 
     Raises:
         ValueError: It is none; the caller adds the subject to the message.

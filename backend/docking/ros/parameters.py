@@ -99,7 +99,7 @@ class _Defaults:
     values: dict[str, tuple[Value, str]] = field(default_factory=dict)
 
     def copy(self) -> "_Defaults":
-        """The same, to be changed."""
+        """Return a copy that may be changed."""
         return _Defaults(dict(self.values))
 
     def read(self, path: str, contents: Contents) -> list[str]:

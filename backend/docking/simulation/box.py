@@ -48,7 +48,7 @@ class Box:
         return Obstruction(nearest_x + away_x * radius, nearest_y + away_y * radius, away_x, away_y)
 
     def seen_from(self, y: float) -> "Box":
-        """The same in a world whose origin is so far to the left, in m."""
+        """Return the box in a world whose origin is `y` metres to the left."""
         return Box(self.x_min, self.y_min - y, self.x_max, self.y_max - y)
 
     def hides(self, x: float, y: float) -> bool:

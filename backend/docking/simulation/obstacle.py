@@ -53,7 +53,7 @@ class Obstacle:
         return Obstruction(self.x + reach * away_x, self.y + reach * away_y, away_x, away_y)
 
     def seen_from(self, y: float) -> "Obstacle":
-        """The same in a world whose origin is so far to the left, in m."""
+        """Return the obstacle in a world whose origin is `y` metres to the left."""
         return replace(self, y=self.y - y)
 
     def hides(self, x: float, y: float) -> bool:

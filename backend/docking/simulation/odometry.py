@@ -89,7 +89,7 @@ class DriftingOdometry:
         return 0.5 * (left + right), (right - left) / self._separation
 
     def velocity(self, wheels: Velocity) -> Velocity:
-        """As the wheels seem to turn.
+        """Return the velocity that odometry makes of the motion of the wheels.
 
         Args:
             wheels: Their motion.

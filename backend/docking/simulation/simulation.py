@@ -276,7 +276,7 @@ class Simulation:
 
     @property
     def odometry_velocity(self) -> Velocity:
-        """As the wheels seem to turn, in base_link; 0 if odometry has no velocity."""
+        """The velocity in base_link that odometry reports; 0 if it reports none."""
         wheels = self.robot.commanded if Fault.OPEN_LOOP_ODOMETRY in self.faults else self.robot.velocity
         return self.odometry.velocity(wheels) if self.settings.odometry.twist else STANDSTILL
 
