@@ -11,12 +11,12 @@ from dock_gateway.core.dock_adapters.adapter import DESIRED, POSE, DockAdapter
 from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.event import loss_event, system_event, utc_now
 from dock_gateway.core.tasks import Tasks
+from dock_gateway.goals.action_context import ActionContext
 from dock_gateway.goals.action_document import action_document
 from dock_gateway.goals.cancellation import Canceler
 from dock_gateway.goals.delivery import GoalDelivery
 from dock_gateway.goals.liveness import ServerState, ServerWatch
 from dock_gateway.goals.rejoining import Rejoiner
-from dock_gateway.goals.shared import Shared
 from dock_gateway.goals.submitter import Submitter
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.ros.action_port import ActionPort
@@ -32,7 +32,7 @@ class Action:
 
     Args:
         port: Its part of ROS.
-        shared: What all actions share.
+        context: The parts of the gateway that it uses.
         adapter: How the gateway speaks to it, if it docks or undocks robots.
         remark: Returns what is wrong around its robot: added to the reason of goals that are aborted.
         default_dock: The dock that a goal means if it names none; empty: none.
@@ -52,7 +52,7 @@ class Action:
     def __init__(
         self,
         port: ActionPort,
-        shared: Shared,
+        context: ActionContext,
         *,
         adapter: DockAdapter | None = None,
         remark: Callable[[], str] = str,
@@ -60,7 +60,7 @@ class Action:
         pinned: bool = False,
         ping_idle: bool = False,
     ) -> None:
-        settings, fanout, history, limits = shared.settings, shared.fanout, shared.history, shared.limits
+        settings, fanout, history, limits = context.settings, context.fanout, context.history, context.limits
         self.port = port
         self.name = port.action_name
         self.type = port.action_type
@@ -72,11 +72,18 @@ class Action:
         self._fanout = fanout
         self.default_dock = default_dock
         self.tracker = GoalTracker(
-            port, fanout, history, shared.reasons, adapter, remark=remark, before_lost=shared.before_lost, limits=limits
+            port,
+            fanout,
+            history,
+            context.reasons,
+            adapter,
+            remark=remark,
+            before_lost=context.before_lost,
+            limits=limits,
         )
         self.watch = ServerWatch(self.tracker, settings, self._publish_server, ping_idle=ping_idle, limits=limits)
-        self.canceler = Canceler(settings, self.tracker, shared.interlock, limits)
-        self.delivery = GoalDelivery(shared, self.tracker, self.watch, self.canceler)
+        self.canceler = Canceler(settings, self.tracker, context.interlock, limits)
+        self.delivery = GoalDelivery(context, self.tracker, self.watch, self.canceler)
         self.submitter = Submitter(settings, history, self.tracker, self.delivery)
         self._tasks = Tasks(f"monitoring {self.name}")
         self._tasks.spawn(self.watch.run())

@@ -12,10 +12,10 @@ from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, Unav
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Origin
 from dock_gateway.core.request import act, slot
+from dock_gateway.goals.action_context import ActionContext
 from dock_gateway.goals.cancellation import TOO_LATE, Canceler
 from dock_gateway.goals.goal_machine import GoalMachine, News
 from dock_gateway.goals.liveness import ServerWatch
-from dock_gateway.goals.shared import Shared
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.ros.bridge import PendingCall
 
@@ -36,7 +36,7 @@ class GoalDelivery:
     """Delivers the goals of one action.
 
     Args:
-        shared: What all actions share.
+        context: The parts of the gateway that it uses.
         tracker: The goals of the action.
         watch: Whether it has a server.
         canceler: Cancels goals that a stop has overtaken.
@@ -46,8 +46,8 @@ class GoalDelivery:
         unanswered: The requests of goals that were given up, by the goals' ids.
     """
 
-    def __init__(self, shared: Shared, tracker: GoalTracker, watch: ServerWatch, canceler: Canceler) -> None:
-        self._shared = shared
+    def __init__(self, context: ActionContext, tracker: GoalTracker, watch: ServerWatch, canceler: Canceler) -> None:
+        self._context = context
         self._tracker = tracker
         self._watch = watch
         self._canceler = canceler
@@ -71,7 +71,7 @@ class GoalDelivery:
         Raises:
             Conflict: `stopped`.
         """
-        if self.stops != stops or self._shared.interlock.holds(self._tracker.port.action_name):
+        if self.stops != stops or self._context.interlock.holds(self._tracker.port.action_name):
             raise Conflict(STOPPED_ON_ITS_WAY, code="stopped", **extra)
 
     def start(
@@ -104,7 +104,7 @@ class GoalDelivery:
             TooManyRequests: Too many goals of the user wait for an answer, or of all users together.
         """
         action_name = self._tracker.port.action_name
-        self._shared.interlock.require_released(action_name)
+        self._context.interlock.require_released(action_name)
         stops = self.stops if stops is None else stops
         place = ExitStack()
         place.enter_context(slot("goals", per=action_name))
@@ -124,7 +124,7 @@ class GoalDelivery:
         await self._watch.require()
         self._act(sender)  # also right before it is sent; but then a goal that was refused is stored
         if sender is not None:
-            for wait in self._shared.before_send:
+            for wait in self._context.before_send:
                 await wait(sender, port.action_name, port.encode_goal(message))
         origin: Origin = "automation" if sender is None else "gateway"
         goal = again or self._tracker.new_goal(str(uuid.uuid4()), utc_now(), origin)
@@ -132,7 +132,7 @@ class GoalDelivery:
             goal.goal = port.encode_goal(message)
             if claim is not None and (first := await claim.take(goal)):
                 return first
-            await self._shared.history.add(goal, claim.key if claim else None)
+            await self._context.history.add(goal, claim.key if claim else None)
         else:
             self._canceler.allow(goal)
         self._tracker.apply(GoalMachine.add, goal)
@@ -156,7 +156,7 @@ class GoalDelivery:
 
     async def _take_answer(self, goal: Goal, call: PendingCall) -> None:
         try:
-            async with asyncio.timeout(self._shared.settings.accept_timeout):
+            async with asyncio.timeout(self._context.settings.accept_timeout):
                 response = await asyncio.shield(call.response)
         except TimeoutError:
             self._give_up(goal, call)
@@ -164,7 +164,8 @@ class GoalDelivery:
         self._tracker.heard()
         if response.accepted:
             self._accept(goal, response)
-            await self._shared.history.seal(goal, [])  # a gateway killed after its answer then knows that the goal runs
+            # A gateway that is killed after its answer then knows that the goal runs.
+            await self._context.history.seal(goal, [])
         else:
             await self._reject(goal)
 
@@ -173,7 +174,7 @@ class GoalDelivery:
 
     async def _reject(self, goal: Goal) -> None:
         busy_with = self._busy_with()
-        reason = await self._shared.reasons.wait_for(goal.goal_id)
+        reason = await self._context.reasons.wait_for(goal.goal_id)
         if reason is not None:
             code = reason.code if reason.code in KNOWN_REJECTIONS else "goal_rejected"
             error = GoalError(code, reason.detail)
@@ -196,7 +197,7 @@ class GoalDelivery:
         self._canceler.mark_unwanted(goal, TOO_LATE)
         self.unanswered[goal.goal_id] = call
         detail = (
-            f"the action server did not accept or reject the goal within {self._shared.settings.accept_timeout:g} s"
+            f"the action server did not accept or reject the goal within {self._context.settings.accept_timeout:g} s"
         )
         self._tracker.lose(goal, GoalError("action_server_timeout", detail))
 

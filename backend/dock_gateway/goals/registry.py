@@ -18,6 +18,7 @@ from dock_gateway.core.listeners import Hooks, Listeners
 from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.action import FORGET_AFTER, Action
+from dock_gateway.goals.action_context import ActionContext, BeforeSend
 from dock_gateway.goals.action_document import Uninstalled
 from dock_gateway.goals.expected_goals import ExpectedGoals
 from dock_gateway.goals.goal_machine import GoalMachine, News
@@ -25,7 +26,6 @@ from dock_gateway.goals.goal_publisher import GoalPublisher
 from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.liveness import ServerState
 from dock_gateway.goals.robot_actions import RobotActions
-from dock_gateway.goals.shared import BeforeSend, Shared
 from dock_gateway.goals.tracker import BeforeLost, about_to_be_lost
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.registry import RobotRegistry
@@ -98,7 +98,9 @@ class ActionRegistry:
         self.remarks = Hooks[Callable[[str], str]]()
         self.before_send = Hooks[BeforeSend]()
         self.before_lost = Hooks[BeforeLost]()
-        self._shared = Shared(settings, fanout, history, reasons, interlock, limits, self.before_send, self.before_lost)
+        self._context = ActionContext(
+            settings, fanout, history, reasons, interlock, limits, self.before_send, self.before_lost
+        )
         self.on_sent = Listeners[[Goal]]("a goal is sent")
         self.on_change = Listeners[[Goal]]("a goal has changed")
         self.on_end = Listeners[[Goal]]("a goal has ended")
@@ -165,10 +167,10 @@ class ActionRegistry:
         robot = self._catalog.robot_of(name, [type_name])
         action = Action(
             port,
-            self._shared,
+            self._context,
             adapter=adapter,
             remark=lambda: " ".join(filter(None, (remark(name) for remark in self.remarks))),
-            default_dock=self._shared.settings.default_dock_of(robot or self._configured_namespace),
+            default_dock=self._context.settings.default_dock_of(robot or self._configured_namespace),
             pinned=name in self._pinned,
             ping_idle=name in self._pinned or robot == self._configured_namespace,
         )

@@ -14,10 +14,10 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import UNCONFIRMED, Goal, GoalError, GoalStatus
 from dock_gateway.core.tasks import PendingFacts
+from dock_gateway.goals.action_context import ActionContext
 from dock_gateway.goals.cancellation import TOO_LATE, Canceler
 from dock_gateway.goals.delivery import STOPPED_ON_ITS_WAY, GoalDelivery, KeyClaim, outcome
 from dock_gateway.goals.goal_machine import GoalMachine
-from dock_gateway.goals.shared import Shared
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.http.quotas import Quotas
 from dock_gateway.settings import Settings
@@ -88,7 +88,7 @@ class Scene:
         self.refusal: NotAllowed | None = None
         self.canceler = Canceler(self.settings, self.tracker, self.interlock)
         self.delivery = GoalDelivery(
-            Shared(self.settings, fanout, self.history, self.reasons, self.interlock, before_send=[self.allow]),
+            ActionContext(self.settings, fanout, self.history, self.reasons, self.interlock, before_send=[self.allow]),
             self.tracker,
             self.watch,
             self.canceler,

@@ -18,8 +18,8 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, ResultAnswer
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.action import Action
+from dock_gateway.goals.action_context import ActionContext
 from dock_gateway.goals.limits import GoalLimits
-from dock_gateway.goals.shared import Shared
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
 from dock_gateway.ros.action_port import CancelAnswer
@@ -76,8 +76,8 @@ class Scene:
         settings = Settings(accept_timeout=0.01, ping_interval=0.1, max_pending_goals=1000)
         interlock = Interlock(self.fanout, LatchFile(settings.stop_file))
         port: Any = self.port
-        shared = Shared(settings, self.fanout, history, self.reasons, interlock, LIMITS)
-        self.action = Action(port, shared, pinned=True)
+        context = ActionContext(settings, self.fanout, history, self.reasons, interlock, LIMITS)
+        self.action = Action(port, context, pinned=True)
 
     def new(self, status: GoalStatus = GoalStatus.PENDING) -> Goal:
         goal = Goal(str(uuid.uuid4()), "/dock", "pkg/action/Dock", utc_now())

@@ -12,10 +12,10 @@ from dock_gateway.core.event import STATUS, event_id, nanoseconds, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.core.tasks import PendingFacts
+from dock_gateway.goals.action_context import ActionContext
 from dock_gateway.goals.cancellation import Canceler
 from dock_gateway.goals.delivery import GoalDelivery
 from dock_gateway.goals.goal_machine import GoalMachine
-from dock_gateway.goals.shared import Shared
 from dock_gateway.goals.submitter import Submitter
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.latch.interlock import Interlock
@@ -79,7 +79,7 @@ class Scene:
         self.reasons: PendingFacts[GoalError] = PendingFacts(0.01)
         canceler = Canceler(settings, self.tracker, self.interlock)
         delivery = GoalDelivery(
-            Shared(settings, fanout, self.history, self.reasons, self.interlock),
+            ActionContext(settings, fanout, self.history, self.reasons, self.interlock),
             self.tracker,
             FakeWatch(),  # type: ignore[arg-type]
             canceler,

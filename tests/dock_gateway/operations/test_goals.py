@@ -9,11 +9,11 @@ import pytest
 from dock_gateway.core.access import ANYBODY, Principal
 from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.core.request import PERMIT
+from dock_gateway.goals.action_context import ActionContext
 from dock_gateway.goals.delivery import GoalDelivery
 from dock_gateway.goals.docking_hints import DockingHints
 from dock_gateway.goals.goal_machine import News
 from dock_gateway.goals.registry import ActionRegistry
-from dock_gateway.goals.shared import Shared
 from dock_gateway.http.parts import Parts
 from dock_gateway.operations.goals import SendGoal, send_goal
 from dock_gateway.settings import Settings
@@ -33,7 +33,7 @@ class FakeAction:
         interlock: Any = SimpleNamespace(holds=lambda _: False)
         canceler: Any = SimpleNamespace(stop=lambda: None)
         self.delivery = GoalDelivery(
-            Shared(Settings(), nothing, nothing, nothing, interlock), tracker, nothing, canceler
+            ActionContext(Settings(), nothing, nothing, nothing, interlock), tracker, nothing, canceler
         )
         self.submitter = self
         self.server = server

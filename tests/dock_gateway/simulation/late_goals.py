@@ -20,9 +20,9 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalStatus, ResultAnswer
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.action import Action
+from dock_gateway.goals.action_context import ActionContext
 from dock_gateway.goals.goal_machine import News
 from dock_gateway.goals.registry import ActionRegistry
-from dock_gateway.goals.shared import Shared
 from dock_gateway.latch import interlock as latching
 from dock_gateway.ros.action_link import ServerPresence
 from dock_gateway.ros.action_port import CancelAnswer
@@ -294,7 +294,7 @@ class LateGoals:
             robots=robots,
             robot_actions=make_robot_actions(settings),
         )
-        self.action = Action(port, Shared(settings, fanout, history, PendingFacts(0.05), interlock))
+        self.action = Action(port, ActionContext(settings, fanout, history, PendingFacts(0.05), interlock))
         actions._actions[NAME] = self.action  # noqa: SLF001 - no ROS graph has it
         self.server.on_status = self.action.tracker.on_status
         self.action.tracker.on[News.RETIRED].append(self._ended.append)

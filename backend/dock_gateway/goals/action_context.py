@@ -1,4 +1,4 @@
-"""What the actions of a gateway share."""
+"""The parts of the gateway that every action uses."""
 
 from collections.abc import Awaitable, Callable, Iterable
 from dataclasses import dataclass
@@ -18,8 +18,8 @@ BeforeSend = Callable[[Principal, str, Json], Awaitable[None]]
 
 
 @dataclass(frozen=True)
-class Shared:
-    """What the actions of a gateway share.
+class ActionContext:
+    """The parts of the gateway that every action uses.
 
     Attributes:
         settings: Names and deadlines.
