@@ -106,7 +106,7 @@ def test_a_running_goal_is_shown_while_the_history_is_away(client: Client) -> No
     async def away(_: object) -> Any:
         raise Unavailable("the history database does not answer", code="history_unavailable")
 
-    client.history.notes.of = away  # type: ignore[method-assign]
+    client.history.notes.read = away  # type: ignore[method-assign]
     assert client.written() == {"tags": None, "notes": None}
 
 
