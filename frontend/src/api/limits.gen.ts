@@ -27,8 +27,13 @@ export const LIMITS = {
     "steps[].notify.text": { minLength: 1, maxLength: 300 },
     "steps[].wait.seconds": { minimum: 0, maximum: 604800 },
     "steps[].wait.battery": { maximum: 1 },
+    "steps[].name": { maxLength: 60 },
     "steps[].timeout_s": { minimum: 1, maximum: 604800 },
     "steps[].tries": { minimum: 1, maximum: 20 },
+    "steps[].on_failure.go_to": { maxLength: 60 },
+    "steps[].repeat.steps": { maxItems: 200 },
+    "steps[].repeat.times": { minimum: 1, maximum: 1000000 },
+    "steps[].first_that_works": { maxItems: 200 },
     "by": { maxLength: 60 },
   },
   "POST /session": {

@@ -5,12 +5,12 @@ from typing import Any
 from dock_gateway.core.filters import prefix_of
 from dock_gateway.core.grant import Grant
 from dock_gateway.extensions.missions.mission import MissionEntry
-from dock_gateway.extensions.missions.step import StepFields
+from dock_gateway.extensions.missions.step import SingleStep
 from dock_gateway.goals.action import Action
 from dock_gateway.goals.robot_actions import RobotActions
 
 
-def action_of(step: StepFields, robot: str, robot_actions: RobotActions) -> str | None:
+def action_of(step: SingleStep, robot: str, robot_actions: RobotActions) -> str | None:
     """Return the name of the action of a step; None if it sends no goal."""
     if step.action is not None:
         return step.action.name
@@ -25,7 +25,7 @@ def actions_of(mission: MissionEntry, robot_actions: RobotActions) -> set[str]:
     return set(filter(None, names))
 
 
-def covers_message(step: StepFields, grant: Grant) -> bool:
+def covers_message(step: SingleStep, grant: Grant) -> bool:
     """Return whether a grant covers the service or the topic of a step, if it has one."""
     if step.call is not None:
         return grant.covers_service(step.call.service)
@@ -41,7 +41,7 @@ def covers(mission: MissionEntry, grant: Grant, robot_actions: RobotActions) -> 
     )
 
 
-async def read_goal(step: StepFields, action: Action, place: str = "") -> Any:
+async def read_goal(step: SingleStep, action: Action, place: str = "") -> Any:
     """Return the goal message of a step.
 
     Args:

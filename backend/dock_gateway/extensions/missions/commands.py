@@ -10,6 +10,7 @@ import click
 from dock_gateway.cli.asking import asks, gateway, print_json, print_table, robot_option, wanted
 from dock_gateway.client import Client
 from dock_gateway.core.log_config import printable
+from dock_gateway.extensions.missions.step import KINDS
 
 # Seconds between two looks at a mission that is followed.
 INTERVAL = 1.0
@@ -65,18 +66,25 @@ def _line(found: dict[str, Any]) -> str:
     if status in ENDED:
         why = f": {found['error']['detail']}" if found["error"] else ""
         return f"{found['mission_id']} {status}{why}"
-    place = f"step {found['step'] + 1} of {len(steps)}, {_kind_of(steps[found['step']])}"
+    step = steps[found["step"]]
+    place = f"step {found['step'] + 1} of {len(steps)}, {_kind_of(step)}{_rounds_of(step, steps)}"
     held = (
         f", for {found['held_for']}: dock-gateway mission continue {found['mission_id']}" if found["held_for"] else ""
     )
     return f"{found['mission_id']} {status}: {place}{held}"
 
 
+def _rounds_of(step: dict[str, Any], steps: list[dict[str, Any]]) -> str:
+    """Return in which rounds a step is."""
+    around = (each for each in steps if each["repeat"] is not None and step["path"].startswith(f"{each['path']}."))
+    return "".join(f", round {each['repeat']['round']} of {each['repeat']['times'] or 'many'}" for each in around)
+
+
 def _kind_of(step: dict[str, Any]) -> str:
     """Return what a step does, in a word or two."""
     if step["action"] is not None:
         return f"action {step['action']['name']}"
-    return next(kind for kind in ("dock", "undock", "wait") if step[kind] is not None)
+    return next(kind for kind in (*KINDS, "repeat", "first_that_works") if step[kind] is not None)
 
 
 @mission.command(name="list")

@@ -7,7 +7,7 @@ from dataclasses import replace
 from dock_gateway.core.errors import InvalidField, NotFound, NotInstalled, not_covered
 from dock_gateway.core.grant import Grant
 from dock_gateway.extensions.missions.actions import covers_message
-from dock_gateway.extensions.missions.step import StepFields
+from dock_gateway.extensions.missions.step import SingleStep
 from dock_gateway.graph.publishing import Publishing
 from dock_gateway.graph.service_calls import ServiceCalls
 from dock_gateway.ros.messages.codec import codec
@@ -25,7 +25,7 @@ class Messages:
         self._services = services
         self._publishing = publishing
 
-    def require(self, step: StepFields, grant: Grant) -> None:
+    def require(self, step: SingleStep, grant: Grant) -> None:
         """Refuse a service or a topic that the settings or a grant do not include.
 
         Raises:
@@ -38,7 +38,7 @@ class Messages:
         if step.publish is not None:
             self._publishing.require_allowed(step.publish.topic)
 
-    async def check(self, step: StepFields, place: str) -> None:
+    async def check(self, step: SingleStep, place: str) -> None:
         """Check the request or message of a step, as far as its type can be known now.
 
         Args:
@@ -62,7 +62,7 @@ class Messages:
         except (NotFound, NotInstalled):
             return  # it may come later
 
-    async def send(self, step: StepFields) -> None:
+    async def send(self, step: SingleStep) -> None:
         """Call the service of a step, or publish its message.
 
         Raises:

@@ -7,11 +7,11 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from dock_gateway.extensions.missions.step import StepFields
+from dock_gateway.extensions.missions.step import Alternatives, Repeat, SingleStep
 from dock_gateway.http.schema import RosName, Schema
 
 # A step of `GET /missions` has what clients sent, and these.
-STORED_ONLY = frozenset({"tried", "retry_at"})
+STORED_ONLY = frozenset({"tried", "retry_at", "size"})
 # How long a notice is an alert at least.
 NOTICE_FOR = timedelta(minutes=1)
 
@@ -86,10 +86,25 @@ class Notice(Schema):
         return self.standing or now < self.told_at + NOTICE_FOR
 
 
-class StepEntry(StepFields):
+class StepPlace(SingleStep):
+    """A step of a program.
+
+    Attributes:
+        path: Where it is in the request, after `steps.`: `1.repeat.steps.0` is the first step of the second one.
+        repeat: The rounds of the steps behind it that are inside of it.
+        first_that_works: How many of the steps behind it are alternatives, with those inside of them.
+    """
+
+    path: str
+    repeat: Repeat | None = None
+    first_that_works: Alternatives | None = None
+
+
+class StepEntry(StepPlace):
     """A step as it is stored.
 
     Attributes:
+        size: How many of the steps behind it are inside of it.
         status: Its state.
         attempt: How often it was begun; the number of the present try.
         goal_id: The goal of this try, once it was accepted.
@@ -100,6 +115,8 @@ class StepEntry(StepFields):
         retry_at: When the next try begins.
     """
 
+    path: str = ""
+    size: int = 0
     status: StepStatus = StepStatus.WAITING
     attempt: int = 0
     goal_id: str | None = None
@@ -108,6 +125,12 @@ class StepEntry(StepFields):
     error: Reason | None = None
     tried: int = 0
     retry_at: datetime | None = None
+
+    @property
+    def asked(self) -> dict[str, Any]:
+        """What clients have sent of it."""
+        repeat = self.repeat and self.repeat.model_copy(update={"round": 0})
+        return {name: getattr(self, name) for name in (*StepPlace.model_fields, "size")} | {"repeat": repeat}
 
     @property
     def has_goal(self) -> bool:

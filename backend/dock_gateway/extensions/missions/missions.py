@@ -79,12 +79,12 @@ class Missions:
         Raises:
             InvalidField: One is not a goal of its action, or a message of its type; its path begins with the step's.
         """
-        for number, step in enumerate(mission.steps):
+        for step in mission.steps:
             name = action_of(step, mission.robot, self._robot_actions)
             action = None if name is None else self._actions.get(name)
             if action is not None:
-                await read_goal(step, action, f"steps.{number}")
-        await asyncio.gather(*(self._messages.check(step, f"steps.{at}") for at, step in enumerate(mission.steps)))
+                await read_goal(step, action, f"steps.{step.path}")
+        await asyncio.gather(*(self._messages.check(step, f"steps.{step.path}") for step in mission.steps))
 
     async def cancel(self, mission_id: str, grant: Grant) -> Mapping[str, Any]:
         """End a mission; return it.

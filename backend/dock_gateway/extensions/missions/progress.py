@@ -17,7 +17,7 @@ from dock_gateway.extensions.missions.mission import (
     StepStatus,
 )
 from dock_gateway.extensions.missions.moves import Cancel, Change, Facts, Move, Send, Wait, WaitsFor
-from dock_gateway.extensions.missions.step import FailurePolicy
+from dock_gateway.extensions.missions.program import end, enter, fail_step, go_on, skip_step
 from dock_gateway.extensions.missions.step_kinds import WaitStep
 
 # Between two tries of a step.
@@ -55,7 +55,7 @@ def _begin(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
     if mission.pausing:
         return Change(mission.but(status=MissionStatus.HELD, held_for=HoldReason.PAUSED, pausing=False))
     if step.retry_at is not None and now < step.retry_at:
-        return Wait(WaitsFor.RETRY, step.retry_at)
+        return Wait(WaitsFor.RETRY if step.tried else WaitsFor.TIME, step.retry_at)
     if facts.other_goal and (step.sends_goal or step.is_message):
         return Wait(WaitsFor.OTHER_GOAL)
     begun = mission.with_step(
@@ -206,12 +206,12 @@ def _cancel(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
     arrived = goal is not None and goal.status is GoalStatus.SUCCEEDED
     arrived |= sent is not None and sent.over and sent.error is None
     status = StepStatus.SUCCEEDED if arrived else StepStatus.CANCELED
-    return Change(_end(mission.with_step(status=status, finished_at=now), MissionStatus.CANCELED, now))
+    return Change(end(mission.with_step(status=status, finished_at=now), MissionStatus.CANCELED, now))
 
 
 def succeed(mission: MissionEntry, now: datetime) -> MissionEntry:
     """Return the mission after its step has succeeded."""
-    return _go_on(mission.with_step(status=StepStatus.SUCCEEDED, finished_at=now, error=None), now)
+    return go_on(mission.with_step(status=StepStatus.SUCCEEDED, finished_at=now, error=None), now)
 
 
 def fail(mission: MissionEntry, error: Reason, now: datetime) -> MissionEntry:
@@ -221,10 +221,7 @@ def fail(mission: MissionEntry, error: Reason, now: datetime) -> MissionEntry:
     if tried < step.tries:
         later = {"status": StepStatus.WAITING, "tried": tried, "retry_at": now + RETRY_AFTER}
         return mission.with_step(**later, finished_at=now, error=error)
-    failed = mission.with_step(status=StepStatus.FAILED, tried=tried, finished_at=now, error=error)
-    if step.on_failure is FailurePolicy.NEXT:
-        return _go_on(failed, now)
-    return _end(failed, MissionStatus.FAILED, now).model_copy(update={"error": error})
+    return fail_step(mission.with_step(tried=tried), error, now)
 
 
 def begins_message(before: MissionEntry, after: MissionEntry) -> bool:
@@ -241,13 +238,13 @@ def has_try(mission: MissionEntry | None, step: int, attempt: int) -> bool:
 
 def start(mission: MissionEntry, now: datetime) -> MissionEntry:
     """Return a queued mission that has its turn."""
-    return mission.but(status=MissionStatus.RUNNING, started_at=now)
+    return enter(mission.but(status=MissionStatus.RUNNING, started_at=now), now)
 
 
 def cancel(mission: MissionEntry, now: datetime) -> MissionEntry:
     """Return a mission that is being canceled; one that has not begun has ended."""
     if mission.started_at is None:
-        return _end(mission, MissionStatus.CANCELED, now)
+        return end(mission, MissionStatus.CANCELED, now)
     return mission.but(status=MissionStatus.CANCELING, held_for=None, pausing=False)
 
 
@@ -260,7 +257,7 @@ def pause(mission: MissionEntry) -> MissionEntry:
 
 def skip(mission: MissionEntry, now: datetime) -> MissionEntry:
     """Return a held mission that goes on without its step."""
-    return resume(_go_on(mission.with_step(status=StepStatus.SKIPPED, finished_at=now), now), now)
+    return resume(skip_step(mission, now), now)
 
 
 def resume(mission: MissionEntry, now: datetime) -> MissionEntry:
@@ -275,14 +272,3 @@ def resume(mission: MissionEntry, now: datetime) -> MissionEntry:
     if goes_on.current.status is StepStatus.WAITING:
         return goes_on.with_step(tried=0, retry_at=None)
     return goes_on
-
-
-def _go_on(mission: MissionEntry, now: datetime) -> MissionEntry:
-    """Return the mission at its next step."""
-    told = mission.notice and mission.notice.model_copy(update={"standing": False})
-    mission = mission.but(step=mission.step + 1, notice=told)
-    return _end(mission, MissionStatus.SUCCEEDED, now) if mission.step == len(mission.steps) else mission
-
-
-def _end(mission: MissionEntry, status: MissionStatus, now: datetime) -> MissionEntry:
-    return mission.but(status=status, held_for=None, pausing=False, finished_at=now)

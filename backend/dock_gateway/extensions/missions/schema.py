@@ -11,15 +11,15 @@ from dock_gateway.extensions.missions.mission import (
     MissionFields,
     MissionStatus,
     Reason,
-    StepEntry,
+    StepPlace,
     StepStatus,
 )
 from dock_gateway.extensions.missions.moves import WaitsFor
+from dock_gateway.extensions.missions.program import MAX_STEPS, compile_steps
 from dock_gateway.extensions.missions.step import StepFields
 from dock_gateway.http.bodies import Name60
 from dock_gateway.http.schema import Schema
 
-MAX_STEPS = 200
 EXAMPLE: JsonValue = {
     "name": "Night",
     "steps": [
@@ -45,7 +45,11 @@ class MissionBody(Schema):
     by: Name60 | None = None
 
     def entry(self, robot: str) -> MissionEntry:
-        """Return the mission, queued now."""
+        """Return the mission, queued now.
+
+        Raises:
+            InvalidField: As `compile_steps`.
+        """
         now = utc_now()
         return MissionEntry(
             robot=robot,
@@ -59,12 +63,12 @@ class MissionBody(Schema):
             created_at=now,
             started_at=None,
             finished_at=None,
-            steps=tuple(StepEntry(**step.asked) for step in self.steps),
+            steps=compile_steps(self.steps),
         )
 
 
-class MissionStep(StepFields):
-    """A step, and how far it has come.
+class MissionStep(StepPlace):
+    """A step, and how far it has come. Steps that are inside of it come behind it.
 
     `attempt` is the number of the present try, `goal_id` its goal once that was accepted, and `error` says what the
     last try ended with.

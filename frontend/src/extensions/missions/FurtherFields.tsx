@@ -1,5 +1,5 @@
 import { Checkbox, NumberInput, Text, Textarea, TextInput } from "@mantine/core";
-import { errorAt, MAX_NOTICE, MESSAGE, type StepDraft } from "./draft";
+import { errorAt, INSIDE, MAX_NOTICE, MAX_TIMES, MESSAGE, type StepDraft } from "./draft";
 import classes from "./missions.module.css";
 import { type FieldsProps, Refused } from "./StepFields";
 
@@ -111,6 +111,47 @@ export function NotifyFields({ step, errors, set }: FieldsProps) {
         label="Critical: someone has to act"
         checked={step.critical}
         onChange={(event) => set({ critical: event.currentTarget.checked }, "notify.critical")}
+      />
+    </>
+  );
+}
+
+/** The steps inside of a step, as JSON, and how often they are repeated. */
+export function BlockFields({ step, kind, errors, set }: FieldsProps & { kind: keyof typeof INSIDE }) {
+  const where = INSIDE[kind];
+  const wrong = errors.filter(({ path }) => path.startsWith(kind) && path !== "repeat.times");
+  const inside = wrong.map(({ path, detail }) => (path === where ? detail : `${path}: ${detail}`));
+  return (
+    <>
+      {kind === "repeat" && (
+        <div className={classes.fields}>
+          <NumberInput
+            label="Times"
+            description="Empty: for ever."
+            min={1}
+            max={MAX_TIMES}
+            clampBehavior="none"
+            allowDecimal={false}
+            value={step.times}
+            error={errorAt(errors, "repeat.times")}
+            onChange={(times) => set({ times }, "repeat")}
+          />
+        </div>
+      )}
+      <Textarea
+        label="Steps"
+        description={
+          kind === "repeat"
+            ? "As JSON. They are taken again and again."
+            : "As JSON. Each is taken only if those before it have failed."
+        }
+        rows={5}
+        resize="vertical"
+        spellCheck={false}
+        classNames={{ input: classes.code ?? "" }}
+        value={step.content}
+        error={inside.length === 0 ? undefined : inside.join("; ")}
+        onChange={(event) => set({ content: event.currentTarget.value }, kind)}
       />
     </>
   );

@@ -187,6 +187,7 @@ export function MissionForm({ draft, onChange }: MissionFormProps) {
                 index={index}
                 count={draft.steps.length}
                 robot={draft.robot}
+                later={namesOf(draft.steps.slice(index + 1))}
                 tried={tried}
                 onChange={(edit) =>
                   setSteps((steps) => steps.map((each) => (each.key === step.key ? edit(each) : each)))
@@ -250,6 +251,10 @@ function RobotField({ robot, onRobot }: { robot: string; onRobot: (robot: string
   );
 }
 
+function namesOf(steps: readonly StepDraft[]): string[] {
+  return steps.map(({ name }) => name.trim()).filter((name) => name !== "");
+}
+
 /** The action by which nav2 drives a robot to a place. */
 function navigatorOf(robot: string): string {
   return `${robot === "/" ? "" : robot}/navigate_to_pose`;
@@ -275,7 +280,17 @@ function Begins({ robot }: { robot: string }) {
   );
 }
 
-const KINDS: StepKind[] = ["dock", "undock", "action", "wait", "notify", "call", "publish"];
+const KINDS: StepKind[] = [
+  "dock",
+  "undock",
+  "action",
+  "wait",
+  "notify",
+  "call",
+  "publish",
+  "repeat",
+  "first_that_works",
+];
 
 interface AddersProps {
   robot: string;

@@ -1,11 +1,12 @@
 import { Anchor, Text, VisuallyHidden } from "@mantine/core";
+import type { CSSProperties } from "react";
 import { Link } from "react-router";
 import { goalPath } from "../../fleet/names";
 import { Time } from "../../ui/Time";
 import classes from "./missions.module.css";
 import { hasEnded } from "./queue";
 import type { Mission, MissionStep } from "./requests";
-import { errorDetail, errorWords, optionWords, STEP_STATES, stepWords } from "./words";
+import { depthOf, errorDetail, errorWords, numberOf, optionWords, STEP_STATES, stepWords } from "./words";
 
 /** The steps of a mission with their states, tries, goals and errors. */
 export function MissionSteps({ mission }: { mission: Mission }) {
@@ -13,8 +14,7 @@ export function MissionSteps({ mission }: { mission: Mission }) {
   return (
     <ol className={classes.steps} aria-label="Steps">
       {mission.steps.map((step, index) => (
-        // biome-ignore lint/suspicious/noArrayIndexKey: a step is known by its place alone
-        <Step key={index} step={step} number={index + 1} present={index === present} robot={mission.robot} />
+        <Step key={step.path} step={step} present={index === present} robot={mission.robot} />
       ))}
     </ol>
   );
@@ -22,13 +22,12 @@ export function MissionSteps({ mission }: { mission: Mission }) {
 
 interface StepProps {
   step: MissionStep;
-  number: number;
   /** Whether the mission is at this step. */
   present: boolean;
   robot: string;
 }
 
-function Step({ step, number, present, robot }: StepProps) {
+function Step({ step, present, robot }: StepProps) {
   const { sign, words } = STEP_STATES[step.status];
   const options = optionWords(step);
   const detail = step.error === null ? null : errorDetail(step.error);
@@ -36,10 +35,11 @@ function Step({ step, number, present, robot }: StepProps) {
     <li
       className={classes.step}
       data-state={present ? "present" : step.status}
+      style={{ "--depth": depthOf(step) } as CSSProperties}
       aria-current={present ? "step" : undefined}
     >
       <span className={classes.sign} aria-hidden="true">
-        {sign || number}
+        {sign || numberOf(step)}
       </span>
       <div className={classes.words}>
         <Text size="sm" fw={present ? 600 : 400}>

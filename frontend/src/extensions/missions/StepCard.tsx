@@ -1,8 +1,8 @@
 import { Group, Text } from "@mantine/core";
 import { useGatewayNow } from "../../clock/clock";
 import { Tool } from "../../ui/Tool";
-import { type StepDraft, stepErrors, type Wrong } from "./draft";
-import { MessageFields, NotifyFields, PlaceFields } from "./FurtherFields";
+import { isBlock, type StepDraft, stepErrors, type Wrong } from "./draft";
+import { BlockFields, MessageFields, NotifyFields, PlaceFields } from "./FurtherFields";
 import classes from "./missions.module.css";
 import { ActionFields, DockFields, type Edit, Options, Refused, WaitFields } from "./StepFields";
 import { actionWords } from "./words";
@@ -20,6 +20,8 @@ export const TITLES: Record<StepDraft["kind"], string> = {
   notify: "Tell people",
   call: "Call",
   publish: "Publish",
+  repeat: "Repeat",
+  first_that_works: "Alternatives",
 };
 
 interface StepCardProps {
@@ -28,6 +30,8 @@ interface StepCardProps {
   /** Of all steps. */
   count: number;
   robot: string;
+  /** The names of the steps behind it. */
+  later: readonly string[];
   /** Whether somebody has tried to start the mission: then also what is missing is said. */
   tried: boolean;
   onChange: Edit;
@@ -36,7 +40,17 @@ interface StepCardProps {
 }
 
 /** A step to fill in, to move and to remove. */
-export function StepCard({ step, index, count, robot, tried, onChange, onMove, onRemove }: StepCardProps) {
+export function StepCard({
+  step,
+  index,
+  count,
+  robot,
+  later,
+  tried,
+  onChange,
+  onMove,
+  onRemove,
+}: StepCardProps) {
   const now = useGatewayNow();
   const number = index + 1;
   const errors: Wrong[] = [
@@ -95,9 +109,10 @@ export function StepCard({ step, index, count, robot, tried, onChange, onMove, o
       {(step.kind === "call" || step.kind === "publish") && (
         <MessageFields step={step} kind={step.kind} errors={errors} set={set} />
       )}
+      {isBlock(step.kind) && <BlockFields step={step} kind={step.kind} errors={errors} set={set} />}
       {step.kind === "notify" && <NotifyFields step={step} errors={errors} set={set} />}
       {step.kind === "wait" && <WaitFields step={step} errors={errors} set={set} />}
-      <Options step={step} errors={errors} set={set} />
+      <Options step={step} later={later} errors={errors} set={set} />
       {own.map(({ detail }) => (
         <Text key={detail} size="sm" c="var(--mantine-color-error)">
           {detail}

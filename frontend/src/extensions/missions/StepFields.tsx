@@ -20,6 +20,8 @@ import { useAnswer } from "../../ui/requests";
 import {
   errorAt,
   goalOf,
+  isBlock,
+  MAX_STEP_NAME,
   MAX_TIMEOUT_S,
   MAX_TRIES,
   MAX_WAIT_S,
@@ -268,9 +270,21 @@ export function WaitFields({ step, errors, set }: FieldsProps) {
   );
 }
 
-/** A time limit, tries, and what a failure means. */
-export function Options({ step, errors, set }: FieldsProps) {
-  const wrong = ["timeout_s", "tries", "on_failure"].some((path) => errorAt(errors, path) !== undefined);
+const GO_TO = "go to ";
+
+function policyOf(value: string): StepDraft["onFailure"] {
+  if (value.startsWith(GO_TO)) return { go_to: value.slice(GO_TO.length) };
+  return value === "next" ? "next" : "end";
+}
+
+/** A time limit, tries, what a failure means, and a name. */
+export function Options({ step, later, errors, set }: FieldsProps & { later: readonly string[] }) {
+  const { onFailure } = step;
+  const target = typeof onFailure === "object" ? onFailure.go_to : null;
+  const targets = target === null || later.includes(target) ? later : [...later, target];
+  const wrong = ["name", "timeout_s", "tries", "on_failure"].some(
+    (path) => errorAt(errors, path) !== undefined,
+  );
   const [opened, setOpened] = useState(false);
   const words = optionWords({
     tries: Number(step.tries),
@@ -293,40 +307,51 @@ export function Options({ step, errors, set }: FieldsProps) {
       </summary>
       {(opened || wrong) && (
         <div className={classes.fields}>
-          <NumberInput
-            label="Time limit"
-            description="A goal that runs is canceled then. Empty: no limit."
-            suffix=" s"
-            min={MIN_TIMEOUT_S}
-            max={MAX_TIMEOUT_S}
-            clampBehavior="none"
-            value={step.timeout}
-            error={errorAt(errors, "timeout_s")}
-            onChange={(timeout) => set({ timeout }, "timeout_s")}
-          />
-          <NumberInput
-            label="Tries"
-            description="Five seconds apart."
-            min={MIN_TRIES}
-            max={MAX_TRIES}
-            clampBehavior="none"
-            allowDecimal={false}
-            value={step.tries}
-            error={errorAt(errors, "tries")}
-            onChange={(tries) => set({ tries }, "tries")}
-          />
+          {!isBlock(step.kind) && (
+            <>
+              <NumberInput
+                label="Time limit"
+                description="A goal that runs is canceled then. Empty: no limit."
+                suffix=" s"
+                min={MIN_TIMEOUT_S}
+                max={MAX_TIMEOUT_S}
+                clampBehavior="none"
+                value={step.timeout}
+                error={errorAt(errors, "timeout_s")}
+                onChange={(timeout) => set({ timeout }, "timeout_s")}
+              />
+              <NumberInput
+                label="Tries"
+                description="Five seconds apart."
+                min={MIN_TRIES}
+                max={MAX_TRIES}
+                clampBehavior="none"
+                allowDecimal={false}
+                value={step.tries}
+                error={errorAt(errors, "tries")}
+                onChange={(tries) => set({ tries }, "tries")}
+              />
+            </>
+          )}
           <NativeSelect
             label="If it fails"
             description="After the last try."
-            value={step.onFailure}
+            value={target === null ? String(onFailure) : GO_TO + target}
             error={errorAt(errors, "on_failure")}
-            onChange={(event) =>
-              set({ onFailure: event.currentTarget.value as StepDraft["onFailure"] }, "on_failure")
-            }
+            onChange={(event) => set({ onFailure: policyOf(event.currentTarget.value) }, "on_failure")}
             data={[
               { value: "end", label: "End the mission" },
               { value: "next", label: "Go on with the next step" },
+              ...targets.map((name) => ({ value: GO_TO + name, label: `Go to ${name}` })),
             ]}
+          />
+          <TextInput
+            label="Step name"
+            description="Steps before it can go to it."
+            maxLength={MAX_STEP_NAME}
+            value={step.name}
+            error={errorAt(errors, "name")}
+            onChange={(event) => set({ name: event.currentTarget.value }, "name")}
           />
         </div>
       )}

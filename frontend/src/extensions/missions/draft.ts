@@ -5,6 +5,7 @@ import type { Json, JsonObject } from "../../api/jsonSchema";
 import { LIMITS } from "../../api/limits.gen";
 import { clockOf, dayOf, timeAt } from "../../ui/time";
 import type { Mission, MissionStep, Waypoint } from "./requests";
+import { depthOf } from "./words";
 
 const LIMITS_OF_MISSION = LIMITS["POST /missions"];
 export const { maxLength: MAX_NAME } = LIMITS_OF_MISSION.name;
@@ -12,11 +13,23 @@ export const { minimum: MIN_PRIORITY, maximum: MAX_PRIORITY } = LIMITS_OF_MISSIO
 export const { maxItems: MAX_STEPS } = LIMITS_OF_MISSION.steps;
 export const { minimum: MIN_TIMEOUT_S, maximum: MAX_TIMEOUT_S } = LIMITS_OF_MISSION["steps[].timeout_s"];
 export const { minimum: MIN_TRIES, maximum: MAX_TRIES } = LIMITS_OF_MISSION["steps[].tries"];
+export const { maximum: MAX_TIMES } = LIMITS_OF_MISSION["steps[].repeat.times"];
+export const { maxLength: MAX_STEP_NAME } = LIMITS_OF_MISSION["steps[].name"];
 export const { maxLength: MAX_NOTICE } = LIMITS_OF_MISSION["steps[].notify.text"];
 export const { maximum: MAX_WAIT_S } = LIMITS_OF_MISSION["steps[].wait.seconds"];
 const PRIORITY = 50;
 
-export type StepKind = "dock" | "undock" | "navigate" | "action" | "wait" | "notify" | "call" | "publish";
+export type StepKind =
+  | "dock"
+  | "undock"
+  | "navigate"
+  | "action"
+  | "wait"
+  | "notify"
+  | "call"
+  | "publish"
+  | "repeat"
+  | "first_that_works";
 export type WaitKind = "seconds" | "until" | "battery" | "person";
 
 /** A goal as it is filled in, with what its form is made of. */
@@ -34,6 +47,8 @@ export interface StepDraft {
   request: JsonObject;
   /** The name of a dock; empty for the default one. */
   dock: string;
+  /** By which other steps go to it; empty for none. */
+  name: string;
   /** The name of an action; empty before one is chosen. */
   action: string;
   /** The goal, as it is sent until it is filled in here. */
@@ -42,13 +57,15 @@ export interface StepDraft {
   goal: GoalForm | null;
   /** Where to drive, in metres and degrees. */
   place: { x: number | string; y: number | string; heading: number | string; frame: string };
+  /** How often; empty: for ever. */
+  times: number | string;
   /** Several places, as they were sent: they are not edited here. */
   places: Waypoint[] | null;
   /** The name of a service or a topic. */
   target: string;
   /** Its type; empty where it has only one. */
   type: string;
-  /** What is sent there: JSON, as it was typed. */
+  /** What is sent there, or the steps inside of it: JSON, as it was typed. */
   content: string;
   /** What people are told. */
   text: string;
@@ -78,6 +95,11 @@ export interface Draft {
   refused: readonly FieldError[];
 }
 
+/** Whether it has steps inside of it. */
+export function isBlock(kind: StepKind): kind is "repeat" | "first_that_works" {
+  return kind === "repeat" || kind === "first_that_works";
+}
+
 let made = 0;
 
 /** A new step. @param now In the gateway's time (ms). */
@@ -89,6 +111,7 @@ export function newStep(kind: StepKind, now: number, change: Partial<StepDraft> 
     kind,
     request: {},
     dock: "",
+    name: "",
     action: "",
     message: {},
     goal: null,
@@ -96,7 +119,8 @@ export function newStep(kind: StepKind, now: number, change: Partial<StepDraft> 
     places: null,
     target: "",
     type: "",
-    content: "{}",
+    times: 2,
+    content: isBlock(kind) ? '[{"wait": {"seconds": 60}}]' : "{}",
     text: "",
     critical: false,
     wait: "seconds",
@@ -133,17 +157,51 @@ export function draftOf(mission: Mission, now: number): Draft {
     robot,
     name: name ?? "",
     priority,
-    steps: mission.steps.map((step) => stepOf(step, now)),
+    steps: mission.steps
+      .filter((step) => depthOf(step) === 0)
+      .map((step) => stepOf(step, mission.steps, now)),
     refused: [],
   };
 }
 
-function stepOf(step: MissionStep, now: number): StepDraft {
+/** The request of the steps inside of a step, of all those of a mission. */
+function insideOf(step: MissionStep, all: readonly MissionStep[]): Json[] {
+  const list = `${step.path}.${step.repeat === null ? "first_that_works" : "repeat.steps"}.`;
+  return all
+    .filter(({ path }) => path.startsWith(list) && /^\d+$/.test(path.slice(list.length)))
+    .map((each) => requestOf(each, all));
+}
+
+const SINGLE = ["dock", "undock", "navigate", "action", "wait", "notify", "call", "publish"] as const;
+
+/** A step as it was sent, with those inside of it. */
+function requestOf(step: MissionStep, all: readonly MissionStep[]): Json {
+  const { repeat, first_that_works, name, timeout_s, tries, on_failure } = step;
+  const entries: [string, unknown][] = SINGLE.map((kind) => [kind, step[kind]]);
+  if (repeat !== null) entries.push(["repeat", { times: repeat.times, steps: insideOf(step, all) }]);
+  if (first_that_works !== null) entries.push(["first_that_works", insideOf(step, all)]);
+  entries.push(["name", name], ["timeout_s", timeout_s]);
+  if (tries !== 1) entries.push(["tries", tries]);
+  if (on_failure !== "end") entries.push(["on_failure", on_failure]);
+  return Object.fromEntries(entries.filter(([, value]) => value !== null)) as Json;
+}
+
+function stepOf(step: MissionStep, all: readonly MissionStep[], now: number): StepDraft {
   const options: Partial<StepDraft> = {
+    name: step.name ?? "",
     timeout: step.timeout_s ?? "",
     tries: step.tries,
     onFailure: step.on_failure,
   };
+  if (step.repeat !== null) {
+    const content = JSON.stringify(insideOf(step, all), null, 1);
+    return newStep("repeat", now, { ...options, times: step.repeat.times ?? "", content });
+  }
+  if (step.first_that_works !== null)
+    return newStep("first_that_works", now, {
+      ...options,
+      content: JSON.stringify(insideOf(step, all), null, 1),
+    });
   if (step.dock !== null) {
     const { dock_id, ...request } = step.dock;
     const dock = typeof dock_id === "string" ? dock_id : "";
@@ -219,6 +277,7 @@ export function stepErrors(step: StepDraft, now: number): Wrong[] {
 
 function ownErrors(step: StepDraft, now: number): Wrong[] {
   if (step.kind === "wait") return waitErrors(step, now);
+  if (isBlock(step.kind)) return blockErrors(step, step.kind);
   if (step.kind === "navigate") return placeErrors(step);
   if (step.kind === "call" || step.kind === "publish") return messageErrors(step, step.kind);
   if (step.kind === "notify")
@@ -271,12 +330,30 @@ function messageErrors({ target, content }: StepDraft, kind: keyof typeof MESSAG
   return errors;
 }
 
+/** Where the steps inside of a step are. */
+export const INSIDE = { repeat: "repeat.steps", first_that_works: "first_that_works" } as const;
+
+function blockErrors({ times, content }: StepDraft, kind: keyof typeof INSIDE): Wrong[] {
+  const errors: Wrong[] = [];
+  if (kind === "repeat" && times !== "" && !(isWithin(times, 1, MAX_TIMES) && Number.isInteger(times)))
+    errors.push({ path: "repeat.times", detail: "A whole number from 1; empty: for ever" });
+  const steps = parsed(content);
+  if (!Array.isArray(steps) || steps.length === 0)
+    errors.push({ path: INSIDE[kind], detail: 'A list of steps, such as [{"dock": {}}]' });
+  return errors;
+}
+
 function isObject(text: string): boolean {
+  const value = parsed(text);
+  return typeof value === "object" && value !== null && !Array.isArray(value);
+}
+
+/** What a text says as JSON; undefined if it is none. */
+function parsed(text: string): unknown {
   try {
-    const value: unknown = JSON.parse(text);
-    return typeof value === "object" && value !== null && !Array.isArray(value);
+    return JSON.parse(text);
   } catch {
-    return false;
+    return undefined;
   }
 }
 
@@ -352,7 +429,16 @@ export function bodyOf({ name, priority, steps }: Draft, by: string | null): str
 }
 
 function stepText(step: StepDraft): string {
+  const name = step.name.trim() === "" ? {} : { name: step.name.trim() };
+  if (isBlock(step.kind)) {
+    const inside =
+      step.kind === "first_that_works"
+        ? step.content
+        : `{"times":${step.times === "" ? "null" : Number(step.times)},"steps":${step.content}}`;
+    return `{"${step.kind}":${inside},${JSON.stringify({ ...name, on_failure: step.onFailure }).slice(1)}`;
+  }
   const options = {
+    ...name,
     ...(step.timeout === "" ? {} : { timeout_s: Number(step.timeout) }),
     tries: Number(step.tries),
     on_failure: step.onFailure,

@@ -49,12 +49,23 @@ export function errorWords({ code }: Reason): string {
 
 type StepFields = Pick<
   MissionStep,
-  "dock" | "undock" | "action" | "navigate" | "call" | "publish" | "notify" | "wait"
+  | "repeat"
+  | "first_that_works"
+  | "dock"
+  | "undock"
+  | "action"
+  | "navigate"
+  | "call"
+  | "publish"
+  | "notify"
+  | "wait"
 >;
 
 /** `Dock at lab`, `Undock`, `Fibonacci`, `Wait 1 min 00 s` */
 export function stepWords(step: StepFields): string {
-  const { dock, undock, action, navigate, call, publish, notify, wait } = step;
+  const { dock, undock, action, navigate, call, publish, notify, wait, repeat, first_that_works } = step;
+  if (repeat !== null) return repeatWords(repeat);
+  if (first_that_works !== null) return `The first of ${first_that_works.alternatives} that works`;
   if (dock !== null) {
     const { dock_id } = dock;
     return typeof dock_id === "string" && dock_id !== "" ? `Dock at ${dock_id}` : "Dock";
@@ -71,6 +82,22 @@ export function stepWords(step: StepFields): string {
 /** `Navigate to pose` */
 export function actionWords(name: string): string {
   return sentence(name.slice(name.lastIndexOf("/") + 1).replaceAll("_", " "));
+}
+
+/** `Repeat 3 times`, `Repeat for ever, round 7` */
+function repeatWords({ times, round }: NonNullable<MissionStep["repeat"]>): string {
+  const words = times === null ? "Repeat for ever" : times === 1 ? "Once" : `Repeat ${times} times`;
+  return round === 0 || times === 1 ? words : `${words}, round ${round}`;
+}
+
+/** How deep a step is inside of others. */
+export function depthOf({ path }: Pick<MissionStep, "path">): number {
+  return (path.match(/\.\d+/g) ?? []).length;
+}
+
+/** `2.1` for the first step inside of the second one. */
+export function numberOf({ path }: Pick<MissionStep, "path">): string {
+  return (path.match(/\d+/g) ?? []).map((each) => Number(each) + 1).join(".");
 }
 
 /** `Drive to x 1.2 m, y 3.4 m`, `Drive through 3 places` */
@@ -99,8 +126,9 @@ export function percentWords(charge: number): string {
 /** Its name, else its steps: `Dock, Wait 2 s, Undock`. */
 export function missionName({ name, steps }: Pick<Mission, "name" | "steps">): string {
   if (name !== null && name.trim() !== "") return name;
-  const first = steps.slice(0, 3).map(stepWords).join(", ");
-  return steps.length > 3 ? `${first}, …` : first;
+  const outer = steps.filter((step) => depthOf(step) === 0);
+  const first = outer.slice(0, 3).map(stepWords).join(", ");
+  return outer.length > 3 ? `${first}, …` : first;
 }
 
 interface Hold {
@@ -187,6 +215,7 @@ export function optionWords({
     ...(tries > 1 ? [`up to ${tries} tries`] : []),
     ...(timeout_s === null ? [] : [`at most ${secondsWords(timeout_s)}`]),
     ...(on_failure === "next" ? ["goes on if it fails"] : []),
+    ...(typeof on_failure === "object" ? [`goes to ${on_failure.go_to} if it fails`] : []),
   ];
   return words.join(", ");
 }

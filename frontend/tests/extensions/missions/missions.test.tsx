@@ -27,7 +27,15 @@ import {
 } from "../../../src/extensions/missions/draft";
 import { queuesOf, withMission } from "../../../src/extensions/missions/queue";
 import type { Mission, MissionStep } from "../../../src/extensions/missions/requests";
-import { errorWords, holdOf, missionName, nowWords, stepWords } from "../../../src/extensions/missions/words";
+import {
+  depthOf,
+  errorWords,
+  holdOf,
+  missionName,
+  nowWords,
+  numberOf,
+  stepWords,
+} from "../../../src/extensions/missions/words";
 import { robot } from "../../events";
 import { fakeGateway, renderPage } from "../../page";
 
@@ -44,6 +52,10 @@ vi.mock("../../../src/stream/stream", async (original) => ({
 
 const NOW = Date.parse("2026-11-30T03:00:00Z");
 const DOCK: MissionStep = {
+  path: "0",
+  repeat: null,
+  first_that_works: null,
+  name: null,
   dock: {},
   undock: null,
   action: null,
@@ -63,8 +75,13 @@ const DOCK: MissionStep = {
   error: null,
 };
 const WAIT = { seconds: null, until: null, battery: null, person: false };
-const CHARGE: MissionStep = { ...DOCK, dock: null, wait: { ...WAIT, battery: 0.8 } };
-const COUNT: MissionStep = { ...DOCK, dock: null, action: { name: "/fibonacci", goal: { order: 5 } } };
+const CHARGE: MissionStep = { ...DOCK, path: "1", dock: null, wait: { ...WAIT, battery: 0.8 } };
+const COUNT: MissionStep = {
+  ...DOCK,
+  path: "2",
+  dock: null,
+  action: { name: "/fibonacci", goal: { order: 5 } },
+};
 const PLACE = { x: 1.5, y: -2, yaw: Math.PI / 2, frame: "map" };
 const DRIVE: MissionStep = { ...DOCK, dock: null, navigate: { pose: PLACE, poses: null } };
 const CALL: MissionStep = {
@@ -78,6 +95,15 @@ const PUBLISH: MissionStep = {
   publish: { topic: "/light", message: {}, type: "std_msgs/msg/Bool" },
 };
 const NOTIFY: MissionStep = { ...DOCK, dock: null, notify: { text: "Load me", critical: true } };
+const BLOCK: MissionStep = { ...DOCK, dock: null };
+const NESTED: MissionStep[] = [
+  { ...BLOCK, path: "0", repeat: { times: null, round: 7 }, on_failure: { go_to: "home" } },
+  { ...BLOCK, path: "0.repeat.steps.0", first_that_works: { alternatives: 2 }, on_failure: "next" },
+  { ...DOCK, path: "0.repeat.steps.0.first_that_works.0", dock: { dock_id: "a" }, tries: 3 },
+  { ...DOCK, path: "0.repeat.steps.0.first_that_works.1" },
+  { ...CHARGE, path: "0.repeat.steps.1" },
+  { ...DOCK, path: "1", name: "home" },
+];
 const NIGHT: Mission = {
   mission_id: "a",
   robot: "/robot1",
@@ -156,6 +182,15 @@ describe("the words", () => {
       "Publish on /light",
       "Tell people: Load me",
     ]);
+    expect(NESTED.slice(0, 2).map(stepWords)).toEqual([
+      "Repeat for ever, round 7",
+      "The first of 2 that works",
+    ]);
+    expect(stepWords({ ...BLOCK, repeat: { times: 3, round: 0 } })).toBe("Repeat 3 times");
+    expect(stepWords({ ...BLOCK, repeat: { times: 1, round: 1 } })).toBe("Once");
+    expect(NESTED.map(numberOf)).toEqual(["1", "1.1", "1.1.1", "1.1.2", "1.2", "2"]);
+    expect(NESTED.map(depthOf)).toEqual([0, 1, 2, 2, 1, 0]);
+    expect(missionName({ name: null, steps: NESTED })).toBe("Repeat for ever, round 7, Dock");
     const through: MissionStep = { ...DRIVE, navigate: { pose: null, poses: [PLACE, PLACE] } };
     expect(stepWords(through)).toBe("Drive through 2 places");
     const hall: MissionStep = { ...DRIVE, navigate: { pose: { ...PLACE, frame: "hall" }, poses: null } };
@@ -229,6 +264,44 @@ describe("a draft", () => {
     expect(steps[2].call).toEqual(CALL.call);
     expect(steps[3].publish).toEqual(PUBLISH.publish);
     expect(steps[4].notify).toEqual(NOTIFY.notify);
+  });
+
+  it("keeps steps that are inside of others", () => {
+    const draft = draftOf({ ...NIGHT, steps: NESTED }, NOW);
+    expect(isReady(draft, NOW)).toBe(true);
+    expect(draft.steps.map(({ kind }) => kind)).toEqual(["repeat", "dock"]);
+    const alternatives = [{ dock: { dock_id: "a" }, tries: 3 }, { dock: {} }];
+    expect(JSON.parse(bodyOf(draft, null)).steps).toEqual([
+      {
+        repeat: {
+          times: null,
+          steps: [
+            { first_that_works: alternatives, on_failure: "next" },
+            { wait: { ...WAIT, battery: 0.8 } },
+          ],
+        },
+        on_failure: { go_to: "home" },
+      },
+      { dock: {}, name: "home", tries: 1, on_failure: "end" },
+    ]);
+    const first = draftOf(
+      {
+        ...NIGHT,
+        steps: NESTED.slice(1, 4).map((step) => ({
+          ...step,
+          path: step.path.replace("0.repeat.steps.", ""),
+        })),
+      },
+      NOW,
+    );
+    expect(JSON.parse(bodyOf(first, null)).steps).toEqual([
+      { first_that_works: alternatives, on_failure: "next" },
+    ]);
+    const wrong = (kind: StepKind, change: object = {}) =>
+      stepErrors(newStep(kind, NOW, change), NOW).map(({ path }) => path);
+    expect(wrong("repeat")).toEqual([]);
+    expect(wrong("repeat", { times: 0.5, content: "[]" })).toEqual(["repeat.times", "repeat.steps"]);
+    expect(wrong("first_that_works", { content: "{}" })).toEqual(["first_that_works"]);
   });
 
   it("says what is wrong with places, calls, messages and notices", () => {
@@ -337,10 +410,13 @@ describe("the page", () => {
     await user.click(screen.getByRole("button", { name: "Add step: Tell people" }));
     await user.type(screen.getByRole("textbox", { name: "Text" }), "Load me");
     await user.click(screen.getByRole("checkbox", { name: /Critical/ }));
+    await user.click(screen.getByRole("button", { name: "Add step: Repeat" }));
+    expect(screen.getByRole("textbox", { name: "Steps" })).toBeDefined();
     await user.click(screen.getByRole("button", { name: "Start mission" }));
     await waitFor(() => expect(asked).toHaveLength(1));
-    const [call, notify] = JSON.parse(asked[0]?.body ?? "").steps;
+    const [call, notify, repeat] = JSON.parse(asked[0]?.body ?? "").steps;
     expect(call.call).toEqual({ service: "/reset", type: null, request: {} });
+    expect(repeat.repeat).toEqual({ times: 2, steps: [{ wait: { seconds: 60 } }] });
     expect(notify.notify).toEqual({ text: "Load me", critical: true });
   });
 

@@ -194,6 +194,33 @@ def test_two_gateways_on_one_database_carry_out_a_mission_once(domain: int, tmp_
         until(second, change_at_other, "succeeded")
 
 
+def test_steps_are_repeated_once_a_round_also_if_the_gateway_is_killed(domain: int, tmp_path: Path) -> None:
+    kept = {"database_url": f"sqlite:///{tmp_path}/history.db", "spool_path": f"{tmp_path}/spool"}
+    away: dict[str, Any] = {"action": {"name": "/nobody", "goal": {}}, "timeout_s": 1.0}
+    steps: list[dict[str, Any]] = [
+        {"repeat": {"times": 3, "steps": [{"first_that_works": [away, FIBONACCI]}]}},
+        {"wait": {"seconds": 0}, "name": "home"},
+    ]
+    with running_program(domain, "fibonacci_action_server", "-p", "step_period:=0.1"):
+        with running_gateway(domain, **kept) as first:
+            wait_until(lambda: first.http.get("/actions/fibonacci").status_code == 200, "the action")
+            rounds = post(first, *steps)
+            until(first, rounds, "running", step=3)
+            first.process.send_signal(signal.SIGKILL)
+            first.process.wait()
+        with running_gateway(domain, **kept) as second:
+            found = until(second, rounds, "succeeded")
+            assert [step["path"] for step in found["steps"]] == [
+                "0",
+                "0.repeat.steps.0",
+                "0.repeat.steps.0.first_that_works.0",
+                "0.repeat.steps.0.first_that_works.1",
+                "1",
+            ]
+            assert (found["steps"][0]["repeat"], found["steps"][3]["attempt"]) == ({"times": 3, "round": 3}, 3)
+            assert len(goals(second)) == 3
+
+
 MESSAGES = {"allow_services": "/robot1/*", "allow_publish": "/robot1/light", "server_wait": "0.5"}
 
 
