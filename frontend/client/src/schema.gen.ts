@@ -2207,6 +2207,14 @@ export interface components {
             /** Alerts */
             alerts: components["schemas"]["Alert"][];
         };
+        /**
+         * Alternatives
+         * @description How many steps there are of which the first that works is taken.
+         */
+        Alternatives: {
+            /** Alternatives */
+            alternatives: number;
+        };
         /** @description The answer to a command of /ws. */
         Answer: components["schemas"]["GoalAck"] | components["schemas"]["PublisherAck"] | components["schemas"]["PublishedAck"] | components["schemas"]["StopAck"] | components["schemas"]["ReleaseAck"] | components["schemas"]["SubscriptionAck"] | components["schemas"]["PingAck"] | components["schemas"]["CommandError"];
         /**
@@ -3202,7 +3210,7 @@ export interface components {
         };
         /**
          * FailurePolicy
-         * @description What a mission does when a step has failed: it ends, or goes on with the next step.
+         * @description What happens when a step has failed: the mission ends, or goes on with the next step.
          * @enum {string}
          */
         FailurePolicy: "end" | "next";
@@ -3332,6 +3340,14 @@ export interface components {
             shared: boolean;
             /** Conflict */
             conflict: string | null;
+        };
+        /**
+         * GoTo
+         * @description What happens when a step has failed: the mission goes on with a later step, by its name.
+         */
+        GoTo: {
+            /** Go To */
+            go_to: string;
         };
         /**
          * Goal
@@ -4105,7 +4121,7 @@ export interface components {
         MissionStatus: "queued" | "running" | "held" | "canceling" | "succeeded" | "failed" | "canceled";
         /**
          * MissionStep
-         * @description A step, and how far it has come.
+         * @description A step, and how far it has come. Steps that are inside of it come behind it.
          *
          *     `attempt` is the number of the present try, `goal_id` its goal once that was accepted, and `error` says what the
          *     last try ended with.
@@ -4138,6 +4154,11 @@ export interface components {
             /** @default null */
             wait: components["schemas"]["WaitStep"] | null;
             /**
+             * Name
+             * @default null
+             */
+            name: string | null;
+            /**
              * Timeout S
              * @default null
              */
@@ -4147,8 +4168,17 @@ export interface components {
              * @default 1
              */
             tries: number;
-            /** @default end */
-            on_failure: components["schemas"]["FailurePolicy"];
+            /**
+             * On Failure
+             * @default end
+             */
+            on_failure: components["schemas"]["FailurePolicy"] | components["schemas"]["GoTo"];
+            /** Path */
+            path: string;
+            /** @default null */
+            repeat: components["schemas"]["Repeat"] | null;
+            /** @default null */
+            first_that_works: components["schemas"]["Alternatives"] | null;
             status: components["schemas"]["StepStatus"];
             /** Attempt */
             attempt: number;
@@ -4759,6 +4789,16 @@ export interface components {
             op: "release_stop";
             /** Robot */
             robot?: string | null;
+        };
+        /**
+         * Repeat
+         * @description Steps that are repeated: `times` is null if that is for ever. `round` is the present one, from 1.
+         */
+        Repeat: {
+            /** Times */
+            times: number | null;
+            /** Round */
+            round: number;
         };
         /**
          * ReplayBattery
@@ -9151,15 +9191,24 @@ export interface operations {
                             /** @default false */
                             person?: boolean;
                         } | null;
+                        name?: string | null;
                         timeout_s?: number | null;
                         /** @default 1 */
                         tries?: number;
-                        /**
-                         * @description What a mission does when a step has failed: it ends, or goes on with the next step.
-                         * @default end
-                         * @enum {string}
-                         */
-                        on_failure?: "end" | "next";
+                        /** @default end */
+                        on_failure?: ("end" | "next") | {
+                            go_to: string;
+                        };
+                        repeat?: {
+                            /** @description Steps, as those of a mission */
+                            steps: {
+                                [key: string]: unknown;
+                            }[];
+                            times?: number | null;
+                        } | null;
+                        first_that_works?: {
+                            [key: string]: unknown;
+                        }[] | null;
                     }[];
                     by?: string | null;
                 };
