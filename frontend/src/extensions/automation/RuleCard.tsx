@@ -12,7 +12,7 @@ import { CommandErrorAlert } from "../../ui/errors";
 import classes from "./automation.module.css";
 import { withMode } from "./draft";
 import type { Rule, RuleMode } from "./requests";
-import { useRuleCommands } from "./rules";
+import { isStopped, useRuleCommands } from "./rules";
 import { conditionWords, MODES, WAITS } from "./words";
 
 const MODE_OPTIONS = Object.entries(MODES).map(([value, label]) => ({ value, label }));
@@ -92,7 +92,7 @@ function RobotWaits({ rule }: { rule: Rule }) {
                 {WAITS[waits_for]}
               </Text>
             )}
-            {rule.mode !== "off" && isStopped({ waits_for }) && (
+            {rule.mode !== "off" && isStopped({ robot, waits_for }) && (
               <Button
                 size="compact-sm"
                 variant="default"
@@ -110,11 +110,6 @@ function RobotWaits({ rule }: { rule: Rule }) {
       <CommandErrorAlert command="Continuing" error={goOn.error} onClose={goOn.reset} />
     </details>
   );
-}
-
-/** Whether a person has to let the rules go on. */
-function isStopped({ waits_for }: Pick<Rule["applies_to"][number], "waits_for">): boolean {
-  return waits_for === "stopped";
 }
 
 interface SwitchOnProps {

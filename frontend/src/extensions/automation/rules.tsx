@@ -95,6 +95,11 @@ export function useRuleCommands() {
   return { save, remove, goOn };
 }
 
+/** Whether a rule waits until someone lets it go on with a robot. */
+export function isStopped({ waits_for }: Rule["applies_to"][number]): boolean {
+  return waits_for === "stopped";
+}
+
 /** The rules that dock a robot by themselves; nothing where there are none. */
 export function RobotRules({ robot }: { robot: string }) {
   const { data: rules = [] } = useRules(30_000);
@@ -102,9 +107,13 @@ export function RobotRules({ robot }: { robot: string }) {
     ({ mode, applies_to }) => mode === "on" && applies_to.some((each) => each.robot === robot),
   );
   if (on.length === 0) return null;
+  const stopped = on.some(({ applies_to }) =>
+    applies_to.some((each) => each.robot === robot && isStopped(each)),
+  );
   return (
     <Anchor component={Link} to="/ui/automation" size="sm">
-      Automatic docking on ({on.map(({ name }) => name).join(", ")})
+      {stopped ? "Automatic docking waits to be continued" : "Automatic docking on"} (
+      {on.map(({ name }) => name).join(", ")})
     </Anchor>
   );
 }

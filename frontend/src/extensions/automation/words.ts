@@ -18,7 +18,7 @@ export const WAITS: Record<Wait, string> = {
   goal_lost: "Contact was lost during a goal",
   at_work: "It is on a mission",
   quiet_period: "Someone has just canceled a goal of it",
-  stopped: "It was stopped, and moves by itself again when someone says so",
+  stopped: "Was stopped, and waits until someone lets it continue",
   not_idle: "Not idle long enough",
   retry_later: "Waits 5 minutes after the last attempt",
   reported: "Dry run recorded",
