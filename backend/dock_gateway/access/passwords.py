@@ -2,9 +2,9 @@
 
 import asyncio
 import secrets
-import threading
 import unicodedata
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from typing import TypeVar
@@ -18,9 +18,8 @@ T = TypeVar("T")
 
 MIN_PASSWORD, MAX_PASSWORD = 12, 200  # characters
 # One password is hashed at a time: the lanes are threads of OpenSSL, which a process has once, and two hashes wait for
-# each other without end. A semaphore alone would let one begin beside another whose request was canceled.
-# How many may wait, `http.quotas` says.
-_alone = threading.Lock()
+# each other without end. How many may wait, `http.quotas` says.
+_hashing = ThreadPoolExecutor(1, "passwords")
 
 
 @dataclass(frozen=True)
@@ -61,7 +60,6 @@ class Passwords:
     """Hashes passwords with Argon2id, one at a time."""
 
     def __init__(self) -> None:
-        self._turn = asyncio.Semaphore(1)
         self._nobodys: str | None = None
 
     async def hash(self, password: str) -> str:
@@ -90,13 +88,7 @@ class Passwords:
 
     async def _run(self, work: Callable[[], T]) -> T:
         with slot("logins"):
-            async with self._turn:
-                return await asyncio.to_thread(_run_alone, work)
-
-
-def _run_alone(work: Callable[[], T]) -> T:
-    with _alone:
-        return work()
+            return await asyncio.get_running_loop().run_in_executor(_hashing, work)
 
 
 def _hash(password: bytes) -> str:
