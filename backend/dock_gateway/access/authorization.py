@@ -32,7 +32,7 @@ async def authorize(connection: HTTPConnection) -> None:
 
     A body is read here, so that no route can act on one that was held back until the login had ended: a request is
     authorized before it, as no body of a stranger is read, and again once it is there. A stop does not wait for
-    its body: it is authorized by its head alone.
+    its body: it is authorized by its head alone. Nor does canceling a goal, which takes none.
 
     Raises:
         NotAuthenticated: The request needs a login, and has none that is valid.
@@ -50,7 +50,8 @@ async def authorize(connection: HTTPConnection) -> None:
     principal = await _admit(connection, operation)
     if operation.reads_body or not isinstance(connection, Request):
         return
-    await read_body(connection)
+    if not operation.stops:
+        await read_body(connection)
     if not parts[Logins].is_valid(principal):  # it has ended, or there is another role or limit
         principal = await _admit(connection, operation)
     _permit(parts, principal)

@@ -82,6 +82,7 @@ class Operation:
         sends_goal: Whether it sends a goal, which counts towards the user's goals per minute.
         reads_body: Whether its endpoint reads the body itself. It is then authorized by its head alone.
         any_query: Whether a request may have query parameters that its endpoint does not have.
+        stops: Whether it stops something: a body that it does not take is then not read, and never a reason to refuse.
         read: Reads the request of a command into its fields. None: the request itself has the fields.
     """
 
@@ -93,6 +94,7 @@ class Operation:
     sends_goal: bool = False
     reads_body: bool = False
     any_query: bool = False
+    stops: bool = False
     read: Read | None = None
 
     def audits(self, method: str) -> bool:

@@ -1,16 +1,15 @@
-"""Read requests: size-limited bodies, headers and parameters. Unknown parameters are refused, not ignored."""
+"""Read requests: size-limited bodies, headers and parameters. What is not taken is refused: see `http/unexpected`."""
 
 import asyncio
 import re
 import uuid
-from collections.abc import Awaitable, Callable
 from http import HTTPStatus
 from typing import Annotated, Any, Generic, TypeVar
 
 from fastapi import Depends, Path, Query, Request
 from pydantic import WithJsonSchema
 from starlette.convertors import PathConvertor, register_url_convertor
-from starlette.requests import ClientDisconnect, HTTPConnection
+from starlette.requests import ClientDisconnect
 from starlette.responses import Response
 
 from dock_gateway.core.cursor import Cursor, read_cursor
@@ -35,29 +34,6 @@ MAX_DIGITS = 18  # enough for every number in a header
 # A line of text: no control, bidirectional or invisible characters; not blank.
 _UNSEEN = r"\x00-\x1f\x7f-\x9f\xad\u200b-\u200f\u2028-\u202f\u205f-\u206f\ufeff\ufff9-\uffff"
 LINE_OF_TEXT = re.compile(rf"[^{_UNSEEN}]*[^\s{_UNSEEN}][^{_UNSEEN}]*")
-
-
-def known_query(*names: str) -> Callable[[HTTPConnection], Awaitable[None]]:
-    """Return a dependency that refuses query parameters other than these.
-
-    A misspelt parameter, or one of another version, must not be ignored when a robot moves. Nor may a robot be named
-    twice: only one of them would be meant.
-
-    Raises:
-        InvalidField: Lists the unknown parameters, or there is more than one robot.
-    """
-
-    async def check(connection: HTTPConnection) -> None:
-        expected = f"one of {', '.join(names)}" if names else "no query parameters"
-        unknown = [name for name in connection.query_params if name not in names]
-        if unknown:
-            raise InvalidField(
-                [FieldError(name[:100], expected, "got an unknown parameter", "query") for name in unknown[:20]]
-            )
-        if (robots := len(connection.query_params.getlist("robot"))) > 1:
-            raise InvalidField([FieldError("robot", "one robot", f"got {robots}", "query")])
-
-    return check
 
 
 async def read_json(request: Request, *, empty: Any = None, within: float | None = None) -> Any:

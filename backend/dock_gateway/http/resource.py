@@ -104,6 +104,8 @@ def _read_tags(header: str | None) -> frozenset[str] | None:
 
 ChangeCondition = Annotated[Condition, Depends(read_change)]
 WriteCondition = Annotated[Condition, Depends(read_write)]
+# Of what is there before it is set, too, so that no write creates it.
+SetCondition = Annotated[Condition, Depends(read_write), "it is there, set or not"]
 
 
 def described(model: type, *, status: int, creates: bool) -> dict[int | str, dict[str, Any]]:
@@ -119,6 +121,7 @@ def described(model: type, *, status: int, creates: bool) -> dict[int | str, dic
     return answers | ({201: {"description": "It is new", "model": model} | new} if creates else {})
 
 
-def has_condition(calls: Iterable[object]) -> bool:
-    """Return whether one of the dependencies of a route reads a condition."""
-    return any(call in (read_change, read_write) for call in calls)
+def conditions_of(calls: Iterable[object]) -> tuple[str, ...]:
+    """Return the headers of the conditions that the dependencies of a route read."""
+    read: dict[object, tuple[str, ...]] = {read_change: ("If-Match",), read_write: ("If-Match", "If-None-Match")}
+    return next((read[call] for call in calls if call in read), ())

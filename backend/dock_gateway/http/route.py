@@ -10,10 +10,11 @@ from fastapi.routing import APIRoute
 
 from dock_gateway.http.bodies import BodyReader
 from dock_gateway.http.openapi import body
-from dock_gateway.http.operation import Operation, Trait, operation_of
+from dock_gateway.http.operation import READS, Operation, Trait, operation_of
 from dock_gateway.http.problems import problems
-from dock_gateway.http.requests import Answer, known_query
-from dock_gateway.http.resource import Item, WriteCondition, described, has_condition
+from dock_gateway.http.requests import Answer
+from dock_gateway.http.resource import Item, WriteCondition, conditions_of, described
+from dock_gateway.http.unexpected import known_conditions, known_query, no_body
 
 ELSEWHERE = (params.Path, params.Header, params.Cookie)
 
@@ -23,7 +24,8 @@ class ApiRoute(APIRoute):
 
     - The body is that of a parameter, `Body[Model]` or `SignedBody[Model]`.
     - The model of the answer is that of the return annotation, `Answer[Model]`, or `Item[Model]` with an `ETag`.
-    - Query parameters that the function does not have are refused, unless its operation takes any.
+    - What the function does not take is refused: query parameters, unless its operation takes any; and where it may
+      change something, a body and conditions on a version, unless it stops something or reads its body itself.
     - The documented errors are those of its operation, with those that follow from what it is about and takes.
 
     Attributes:
@@ -46,8 +48,10 @@ class ApiRoute(APIRoute):
         readers = [each.call for each in self.dependant.dependencies if isinstance(each.call, BodyReader)]
         if readers:
             self.openapi_extra = (self.openapi_extra or {}) | body(readers[0].schema, required=True)
-        errors = documented_errors(operation, has_body="requestBody" in (self.openapi_extra or {}))
-        if has_condition(each.call for each in self.dependant.dependencies):
+        has_body = "requestBody" in (self.openapi_extra or {})
+        errors = documented_errors(operation, has_body=has_body)
+        conditions = conditions_of(each.call for each in self.dependant.dependencies)
+        if conditions:
             errors |= {412, 422}
         self.responses = problems(*sorted(errors)) | self.responses
         # Those of a model are plain fields.
@@ -55,6 +59,8 @@ class ApiRoute(APIRoute):
         self.query_names = [each.alias for each in flat]
         if not operation.any_query:
             self.dependencies.append(Depends(known_query(*self.query_names)))
+        if (self.methods or set()) - READS and not (operation.stops or operation.reads_body):
+            self.dependencies += [Depends(known_conditions(conditions)), *([] if has_body else [Depends(no_body)])]
 
 
 def documented_errors(operation: Operation, *, has_body: bool) -> set[int]:

@@ -86,7 +86,7 @@ class CancelGoal:
     goal_id: str
 
 
-@operation(Role.AGENT, Scope.GOAL, errors=(409, 504))
+@operation(Role.AGENT, Scope.GOAL, errors=(409, 504), stops=True)
 async def cancel_goal(parts: Parts, _: Principal, order: CancelGoal) -> Goal:
     """Ask the action server to cancel a goal. Return the goal.
 

@@ -84,7 +84,8 @@ class Labels:
         known = frozenset(self._robots())
 
         def check(labels: Mapping[str, RobotLabel]) -> None:
-            condition.require(entity_tag(labels.get(robot) or NO_LABEL))
+            if robot in labels or not condition.absent:
+                condition.require(entity_tag(labels.get(robot) or NO_LABEL))
             others = {name: other for name, other in labels.items() if name != robot}
             if label != NO_LABEL and len(others) >= self._most:
                 raise limit_reached(self._most, "labels")

@@ -196,5 +196,5 @@ def _read(principal: Principal, request: object) -> Mapping[str, Any]:
 
 
 # Declared once: each door's function that stops robots, or releases a stop, carries it.
-stops_robots = operation(Role.VIEWER, Scope.ANY, reads_body=True, any_query=True, read=_read)
+stops_robots = operation(Role.VIEWER, Scope.ANY, reads_body=True, any_query=True, stops=True, read=_read)
 releases_stop = operation(Role.SUPERVISOR, Scope.ROBOTS, Audit.STORED_FIRST, errors=(404,))

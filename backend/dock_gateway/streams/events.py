@@ -21,9 +21,10 @@ from dock_gateway.http.edge.websocket import frame_writer
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import AllParts, Parts
 from dock_gateway.http.principal import TICKET, ThePrincipal, principal_of
-from dock_gateway.http.requests import GoalId, known_query
+from dock_gateway.http.requests import GoalId
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.http.slow_clients import PacedResponse, send_in_time
+from dock_gateway.http.unexpected import known_query
 from dock_gateway.settings import Settings
 from dock_gateway.streams.feed import begin, end_of, feed, follow, has_seen_end
 from dock_gateway.streams.queries import (

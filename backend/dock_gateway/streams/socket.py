@@ -32,7 +32,7 @@ from dock_gateway.http.bodies import read_fields
 from dock_gateway.http.operation import Audit, Operation, Scope, operation, operation_of
 from dock_gateway.http.parts import AllParts, Parts
 from dock_gateway.http.principal import TICKET, principal_of
-from dock_gateway.http.requests import known_query
+from dock_gateway.http.unexpected import known_query
 from dock_gateway.stop.order import says
 from dock_gateway.streams.command_schema import SubscribeCommand, UnsubscribeCommand
 from dock_gateway.streams.commands import COMMANDS, STOP, read_command

@@ -10,7 +10,7 @@ from dock_gateway.http.operation import carries_out
 from dock_gateway.http.parts import AllParts
 from dock_gateway.http.principal import TICKET, principal_of
 from dock_gateway.http.quotas import Quotas
-from dock_gateway.http.requests import known_query
+from dock_gateway.http.unexpected import known_query
 from dock_gateway.operations.topics import subscribe
 from dock_gateway.settings import Settings
 from dock_gateway.streams.events import ignore_input, until_one_ends, write_events

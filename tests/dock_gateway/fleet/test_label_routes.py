@@ -59,6 +59,16 @@ def test_of_two_people_who_change_a_label_none_loses_a_change(client: Client) ->
     client.put(json=LEFT)
 
 
+def test_a_label_is_set_only_where_there_is_none_yet(client: Client) -> None:
+    only_new = {"If-None-Match": "*"}
+    client.put(json=LEFT, headers=only_new)
+    refused = client.put(412, json={"display_name": "Right forklift", "groups": []}, headers=only_new)
+    assert refused["code"] == "changed_meanwhile"
+    assert client.labels.of("/robot1").display_name == "Left forklift"
+    client.put(json={"display_name": None, "groups": []})
+    client.put(json=LEFT, headers=only_new)
+
+
 def test_spaces_and_groups_that_repeat_are_removed(client: Client) -> None:
     sent = {"display_name": " Gl\u00fcck 7 ", "groups": [" hall 1", "hall 2", "hall 1 "]}
     assert client.put(robot="/site/robot9/", json=sent) == {

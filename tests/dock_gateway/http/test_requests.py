@@ -3,8 +3,7 @@
 import codecs
 
 import pytest
-from fastapi import FastAPI
-from starlette.requests import Request
+from fastapi import FastAPI, Request
 from starlette.testclient import TestClient
 
 from dock_gateway.core.errors import InvalidField, MalformedRequest
@@ -12,7 +11,6 @@ from dock_gateway.http.requests import (
     GraphName,
     check_key,
     decode_json,
-    known_query,
     read_goal_id,
     read_json,
     read_name,
@@ -85,15 +83,6 @@ def test_what_is_no_idempotency_key(key: str) -> None:
         check_key(key, "idempotency_key")
     (error,) = refused.value.extra["errors"]
     assert (error["path"], error["expected"]) == ("idempotency_key", "1 to 200 characters, without NUL")
-
-
-@pytest.mark.parametrize("query", [b"robot=/robot1&robot=/robot2", b"robot=/robot1&robot=/robot1", b"robto=/robot1"])
-async def test_what_robot_is_meant_is_clear(query: bytes) -> None:
-    with pytest.raises(InvalidField):
-        await known_query("robot", "status")(Request({"type": "http", "query_string": query}))
-    await known_query("robot", "status")(
-        Request({"type": "http", "query_string": b"robot=/robot1&status=lost&status=aborted"})
-    )
 
 
 @pytest.mark.parametrize("text", ["7D9C1C9E-0000-4000-8000-00000000000A", "7d9c1c9e00004000800000000000000a"])

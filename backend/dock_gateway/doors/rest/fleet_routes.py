@@ -15,7 +15,7 @@ from dock_gateway.http.operation import Audit, Scope, carries_out, operation
 from dock_gateway.http.parts import AllParts, Parts
 from dock_gateway.http.principal import ThePrincipal
 from dock_gateway.http.requests import WITH_POSITION, Answer, AnyRobotQuery, RobotQuery, json_response, list_response
-from dock_gateway.http.resource import ChangeCondition, Item, item_response, removed
+from dock_gateway.http.resource import ChangeCondition, Item, SetCondition, item_response, removed
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.operations import fleet
 from dock_gateway.robots.labels import Labels, RobotLabel
@@ -46,7 +46,7 @@ async def label_robot(
     request: Request,
     parts: AllParts,
     principal: ThePrincipal,
-    condition: ChangeCondition,
+    condition: SetCondition,
     *,
     robot: RobotQuery = None,
 ) -> Item[Label]:

@@ -17,11 +17,13 @@ from dock_gateway.core.json_text import decode_json
 from dock_gateway.extensions.agents.calls import STOPPING, client_name
 from dock_gateway.extensions.agents.server import AgentServer
 from dock_gateway.extensions.agents.tools import STOP_TOOL, TOOLS
+from dock_gateway.http.openapi import body
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import AllParts, Part
 from dock_gateway.http.principal import principal_of
-from dock_gateway.http.requests import json_response, known_query, read_body
+from dock_gateway.http.requests import json_response, read_body
 from dock_gateway.http.route import ApiRoute
+from dock_gateway.http.unexpected import known_query
 from dock_gateway.stop.order import says
 
 router = APIRouter(route_class=ApiRoute)
@@ -48,7 +50,7 @@ class AgentResponse(Response):
         await self._server.answer(scope, receive_again, send)
 
 
-@router.post("/mcp", include_in_schema=False)
+@router.post("/mcp", include_in_schema=False, openapi_extra=body({"type": "object"}, required=True))
 @operation(Role.VIEWER, Scope.LISTED, any_query=True)
 async def mcp(request: Request, server: Part[AgentServer], parts: AllParts) -> Response:
     """Answer a message of an agent. The audit log has the calls of tools.

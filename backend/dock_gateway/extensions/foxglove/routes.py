@@ -9,7 +9,7 @@ from dock_gateway.extensions.foxglove.session import FoxgloveSession
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import AllParts
 from dock_gateway.http.principal import TICKET, principal_of
-from dock_gateway.http.requests import known_query
+from dock_gateway.http.unexpected import known_query
 
 router = APIRouter()
 

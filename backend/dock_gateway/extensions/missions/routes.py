@@ -89,7 +89,7 @@ async def get_mission(mission_id: MissionId, missions: Part[Missions], grant: Th
 
 
 @router.post("/{mission_id}/cancel", openapi_extra=UNSTABLE)
-@operation(Role.OPERATOR, Scope.LISTED, errors=(404, 409))
+@operation(Role.OPERATOR, Scope.LISTED, errors=(404, 409), stops=True)
 async def cancel_mission(mission_id: MissionId, missions: Part[Missions], grant: TheGrant) -> Answer[Mission]:
     """End a mission. The goal of its step is canceled first, which `canceling` shows."""
     return json_response(await missions.cancel(mission_id, grant))
