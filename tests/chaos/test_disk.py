@@ -31,7 +31,7 @@ ROUNDS = int(os.environ.get("CHAOS_DISK_ROUNDS", "1"))
 CONFINED = (sys.executable, "-m", "tests.support.confined")
 # What a goal may be answered with meanwhile; `stopped` and `stop_latched` as stops are asked for all the time.
 ANSWERS = {"200", "202", "history_unavailable", "stopped", "stop_latched", "broken off", "action_not_found"}
-ANSWERS |= {"action_server_unavailable", "action_server_timeout"}  # just after a start
+ANSWERS |= {"action_server_unavailable", "action_server_unresponsive", "action_server_timeout"}  # just after a start
 KEPT = 1.0  # seconds that a fault lasts, at least
 
 

@@ -62,6 +62,9 @@ def test_our_own_server(domain: int, gateway: RunningGateway, tmp_path: Path) ->
         }
         gateway.http.put("/battery/publisher", json=BATTERY).raise_for_status()
         refused = gateway.http.post("/dock", json={"dock_id": "nope"})
+        assert (refused.status_code, refused.json()["code"]) == (404, "dock_not_found")
+        assert (refused.json()["docks"], "goal_id" in refused.json()) == (["home", "lab"], False)
+        refused = gateway.http.post("/dock", json={"desired_battery_state": {"location": "nope"}})
         assert (refused.status_code, refused.json()["code"]) == (409, "goal_rejected")
         assert "there is no dock 'nope', but: home, lab" in refused.json()["detail"]
         goal = gateway.http.post("/dock", json={"dock_id": "lab"})
@@ -94,6 +97,18 @@ def test_a_server_without_docks(domain: int, gateway: RunningGateway) -> None:
         gateway.wait_until_ready()
         found = docks(gateway)
         assert (found["status_code"], found["docks"], found["default"], found["dock_database"]) == (200, [], None, None)
+        gateway.http.put("/battery/publisher", json=BATTERY).raise_for_status()
+        refused = gateway.http.post("/dock", json={"dock_id": "lab"})
+        assert (refused.status_code, refused.json()["code"], refused.json()["docks"]) == (404, "dock_not_found", [])
+        assert gateway.http.get("/goals").json()["goals"] == []
+        for known in ({"dock_id": "nearest"}, {"desired_battery_state": {"location": "lab"}}):
+            sent = gateway.http.post("/dock", json=known)
+            assert sent.status_code == 202, sent.text
+            gateway.http.post(f"/goals/{sent.json()['goal_id']}/cancel").raise_for_status()
+            wait_until(lambda: not gateway.http.get("/robots").json()["robots"][0]["goals"], "the end of the goal")
+        unknown = gateway.http.post("/dock", json={"dok_id": "lab"}).json()["errors"][0]
+        assert unknown["expected"].startswith("one of dock_id, ")
+        assert unknown["expected"].endswith("desired_battery_state")
 
 
 def test_nav2(domain: int, gateway: RunningGateway) -> None:

@@ -88,6 +88,12 @@ CORE = (
         404,
         "The goal does not wait any more: it was answered, has expired, or was dropped by a stop.",
     ),
+    ErrorCode(
+        "dock_not_found",
+        404,
+        "The robot's docking server does not have the dock; `docks` are those that it has.",
+        "robots.md#docks",
+    ),
     ErrorCode("extension_not_found", 404, "No extension of this name has a card for the dashboard."),
     ErrorCode("goal_not_found", 404, "There is no such goal, or the limits leave it out.", "access.md#limits"),
     ErrorCode("interface_not_found", 404, "The type is not installed; the detail says what to install."),
@@ -245,6 +251,7 @@ CORE = (
     ErrorCode("site_failed", 502, "At a hub: a site has given up a request, or its answer is not valid."),
     ErrorCode("site_refused", 502, "At a hub: a site does not accept this hub; `reason` says why."),
     ErrorCode("action_server_unavailable", 503, "No action server within 2 s."),
+    ErrorCode("action_server_unresponsive", 503, "The action server is there and does not answer: nothing was sent."),
     ErrorCode("broker_unavailable", 503, "There is no connection to a NATS server."),
     ErrorCode("docks_unavailable", 503, "The docking server's node does not answer for its parameters within 6 s."),
     ErrorCode(
@@ -269,7 +276,9 @@ CORE = (
     ErrorCode(
         "action_server_timeout",
         504,
-        "No answer within 5 s; if the server accepts the goal later, the gateway cancels it at once.",
+        "A goal was sent, and not answered within 5 s; if the server accepts it later, the gateway cancels it at once. "
+        "Or it did not answer a request to cancel, which is repeated.",
+        "errors.md#after-a-504",
     ),
     ErrorCode("calibration_timeout", 504, "The docking server did not answer within 18 s."),
     ErrorCode("parameters_timeout", 504, "A node did not answer for its parameters; they may still be set."),

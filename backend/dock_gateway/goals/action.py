@@ -22,6 +22,7 @@ from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.ros.action_port import ActionPort
 from dock_gateway.ros.listener import Unread
 from dock_gateway.ros.messages.codec import codec
+from dock_gateway.ros.messages.fields import MAX_ERRORS
 
 # Seconds after which an action that is off the graph is removed. A restart takes less.
 FORGET_AFTER = 10.0
@@ -172,7 +173,12 @@ class Action:
             stamped = codec(PoseStamped)
             pose = stamped.parse(request[POSE], f"{path}.{POSE}" if path else POSE)
             request = {**request, POSE: stamped.document(pose)}
-        return self.port.goal_codec.parse(self.adapter.goal(request, self.default_dock, path), path)
+        goal, codec_of_goal = self.adapter.goal(request, self.default_dock, path), self.port.goal_codec
+        if unknown := [name for name in goal if name not in codec_of_goal.field_names]:
+            known = f"one of {', '.join(dict.fromkeys((*self.adapter.takes, *codec_of_goal.field_names)))}"
+            places = (f"{path}.{name}" if path else name for name in unknown[:MAX_ERRORS])
+            raise InvalidField([FieldError(place[:200], known, "got an unknown field") for place in places])
+        return codec_of_goal.parse(goal, path)
 
     def _publish_server(self, state: ServerState) -> None:
         self._fanout.publish(system_event("action_server", state, utc_now(), action_name=self.name))

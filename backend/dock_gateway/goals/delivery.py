@@ -98,7 +98,7 @@ class GoalDelivery:
                 meantime (`stopped`) or the server rejected the goal (`goal_rejected`, `dock_busy`).
             NotAuthenticated: Raised by the task: the sender's login has ended (`invalid_token`).
             NotAllowed: Raised by the task: `before_send` refuses it (`approval_refused`, `approval_expired`).
-            Unavailable: There is no action server; raised by the task, too.
+            Unavailable: There is no action server that answers; raised by the task, too.
             ServerTimeout: Raised by the task: the server did not answer in time. If it accepts the goal later, the goal
                 is canceled at once.
             TooManyRequests: Too many goals of the user wait for an answer, or of all users together.

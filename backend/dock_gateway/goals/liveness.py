@@ -13,7 +13,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, Unavailable
+from dock_gateway.core.errors import Conflict, GatewayError, Unavailable
 from dock_gateway.core.goal import GoalError, GoalStatus
 from dock_gateway.goals.duplicates import Duplicates
 from dock_gateway.goals.goal_machine import GoalMachine
@@ -130,8 +130,8 @@ class ServerWatch:
 
         Raises:
             Conflict: `duplicate_action_server`: there is more than one.
-            Unavailable: No action server appeared in time.
-            ServerTimeout: The server is present but does not answer.
+            Unavailable: No action server appeared in time (`action_server_unavailable`), or it is there and does not
+                answer (`action_server_unresponsive`).
         """
         if self.ready:
             return
@@ -148,9 +148,8 @@ class ServerWatch:
             detail = f"more than one action server serves {state.action_name}, and each would move the robot"
             raise Conflict(f"{detail}: shut down all but one", code="duplicate_action_server")
         if not state.answering:
-            raise ServerTimeout(
-                f"the action server of {self.state.action_name} does not answer: it may be busy, frozen or dead"
-            )
+            detail = f"the action server of {self.state.action_name} does not answer: it may be busy, frozen or dead"
+            raise Unavailable(f"{detail}; nothing was sent", code="action_server_unresponsive")
 
     @property
     def _refuses(self) -> bool:

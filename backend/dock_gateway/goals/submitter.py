@@ -37,8 +37,9 @@ class Submitter:
         Raises:
             Conflict: A stop is latched (`stop_latched`) or was requested in the meantime (`stopped`), the server
                 rejected the goal (`goal_rejected`, `dock_busy`), or the key was used for another goal.
-            Unavailable: There is no action server.
-            ServerTimeout: It did not answer in time. If it accepts the goal later, the goal is canceled at once.
+            Unavailable: There is no action server that answers.
+            ServerTimeout: It was sent the goal, and did not answer in time. If it accepts the goal later, the goal is
+                canceled at once.
             TooManyRequests: Too many goals are waiting for an answer.
         """
         if idempotency_key is None:

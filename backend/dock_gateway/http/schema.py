@@ -54,8 +54,9 @@ class Problem(BaseModel):
     """RFC 9457 problem document.
 
     `errors` lists invalid fields; `goal_id` is the goal that the problem is about. If a robot has no docking server:
-    `robots` lists those that have one, and `settings` are lines that join the robot with a docking server. Where a
-    setting of the gateway forbids something, `settings` has the line that would allow it.
+    `robots` lists those that have one, and `settings` are lines that join the robot with a docking server. `docks` are
+    those that the docking server has. Where a setting of the gateway forbids something, `settings` has the line that
+    would allow it.
 
     `gateway` is the one that serves the robot, if this one does not and it is known.
 
@@ -79,6 +80,7 @@ class Problem(BaseModel):
     use: str | None = None
     role: Role | None = None
     robots: list[str] | None = None
+    docks: list[str] | None = None
     settings: list[str] | None = None
     gateway: GatewayAddress | None = None
 

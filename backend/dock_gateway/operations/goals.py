@@ -10,6 +10,7 @@ from dock_gateway.core.request import acts_on
 from dock_gateway.goals.action import Action
 from dock_gateway.goals.cancellation import require_unfinished
 from dock_gateway.goals.docking_hints import DockingHints
+from dock_gateway.goals.docks import Docks
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.http.operation import Scope, operation
@@ -49,17 +50,22 @@ async def send_goal(parts: Parts, principal: Principal, order: SendGoal) -> tupl
         action = await parts[ActionRegistry].find(order.action)
         return action, await _submit(action, principal, order)
     with parts[DockingHints].hinting(order.robot, principal.grant):
-        return await _send_docking_goal(parts[ActionRegistry], principal, order)
+        return await _send_docking_goal(parts, principal, order)
 
 
-async def _send_docking_goal(actions: ActionRegistry, principal: Principal, order: SendGoal) -> tuple[Action, Goal]:
+async def _send_docking_goal(parts: Parts, principal: Principal, order: SendGoal) -> tuple[Action, Goal]:
     """Send a goal to a robot's action or, if that has no server and another one is picked meanwhile, to that one.
 
     Raises:
         Conflict: `stopped`: a stop was requested meanwhile.
+        NotFound: Its docking server does not have the dock (`dock_not_found`).
     """
+    actions = parts[ActionRegistry]
     action = await actions.find_docking(order.verb, order.robot, principal.grant)
     stops = action.delivery.stops
+    await parts[Docks].require(action, order.request)
+    if action.delivery.stops != stops:
+        action.delivery.require_no_stop_since(stops)
     try:
         return action, await _submit(action, principal, order)
     except Unavailable:

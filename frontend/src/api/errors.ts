@@ -17,6 +17,10 @@ export const ERROR_WORDS: Record<string, ErrorWords> = {
     advice:
       "It may be frozen or overloaded: look at its log and restart it. A late acceptance is canceled at once.",
   },
+  action_server_unresponsive: {
+    title: "The action server does not answer",
+    advice: "Nothing was sent. It may be frozen or overloaded: look at its log and restart it.",
+  },
   alert_not_found: {
     title: "The alert is over",
     advice: "Its cause has ended; the list shows what is left.",

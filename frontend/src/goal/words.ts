@@ -88,6 +88,7 @@ const STALLED = "If it stays silent, the goal is marked lost in a few seconds. P
 
 const ADVICE: Record<string, string> = {
   action_server_timeout: "Look at the action server's log; it may be frozen.",
+  action_server_unresponsive: "Look at the action server's log; it may be frozen.",
   battery_lost: "Check the battery driver, or publish a battery state from this page, then dock again.",
   blocked: "Look at the robot: something is in its way, a wheel is stuck, or its motors are off.",
   dock_not_in_db:
@@ -132,6 +133,7 @@ const SHORT: Record<string, string> = {
   action_server_lost: "Lost contact with the action server",
   goal_unconfirmed: "Never confirmed by the action server",
   action_server_timeout: "Action server did not answer",
+  action_server_unresponsive: "Action server does not answer",
   battery_lost: "Battery data stopped",
   blocked: "Robot was blocked",
   dock_busy: "Dock was busy",

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from dock_gateway.core.errors import Conflict
+from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.tasks import PendingFacts, cancel
@@ -114,6 +114,17 @@ async def test_no_goal_is_sent_while_there_are_two_servers(scene: Scene) -> None
     scene.port.servers = set()
     await scene.watch.require()
     assert not scene.states[-1].duplicate
+
+
+async def test_no_goal_is_sent_to_a_server_that_does_not_answer(scene: Scene) -> None:
+    """Nothing was sent, so that the same request may be repeated."""
+    scene.port.answers = False
+    with pytest.raises(Unavailable) as refused:
+        await scene.watch.require()
+    assert (refused.value.code, refused.value.status) == ("action_server_unresponsive", 503)
+    assert "goal_id" not in refused.value.extra
+    scene.port.answers = True
+    await scene.watch.require()
 
 
 async def test_two_servers_can_be_allowed() -> None:

@@ -48,6 +48,11 @@ class Server:
     def read_docking_request(self, request: object, _: str) -> object:
         return request
 
+    async def require(self, _: object, request: object) -> None:
+        """Have every dock but one."""
+        if request == {"dock_id": "nowhere"}:
+            raise NotFound("no dock", code="dock_not_found")
+
     async def submit(self, _: object, key: str, *, sender: object) -> Goal:
         assert sender is None
         if key not in self.goals:
@@ -137,6 +142,7 @@ class Site:
                 "Any", SimpleNamespace(get=lambda _: action if server.there else None, running=server.running)
             ),
             robot_actions=cast("Any", SimpleNamespace(docking_name=lambda *_: "/dock")),
+            docks=cast("Any", server),
             goals=cast("Any", server),
             history=cast("Any", server),
             messages=cast("Any", server),

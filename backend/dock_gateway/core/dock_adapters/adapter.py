@@ -50,6 +50,7 @@ class DockAdapter:
         action_name: The name under which its servers offer it, without a namespace.
         reads_battery_goal: Whether `goal` takes a `desired_battery_state` that the goal message does not have.
         reads_dock_pose: Whether `goal` takes a `dock_pose` (geometry_msgs/PoseStamped) that the message does not have.
+        takes: The fields of a request that the goal message need not have.
         tells_stage: Whether `progress` has to be asked about feedback.
     """
 
@@ -59,6 +60,7 @@ class DockAdapter:
     action_name: str = ""
     reads_battery_goal: bool = False
     reads_dock_pose: bool = False
+    takes: tuple[str, ...] = ()
     tells_stage: bool = False
 
     @property
@@ -111,6 +113,13 @@ def read_dock_id(request: Fields, path: str) -> str:
     if not isinstance(dock, str) or not dock.strip():
         raise invalid(path, DOCK_ID, "the name of a dock", got(dock))
     return dock
+
+
+def named_dock(request: object) -> str:
+    """Return the dock that counts of those in a request, by its `dock_id`; empty if there is none."""
+    if not isinstance(request, Mapping) or not isinstance(dock := request.get(DOCK_ID), str):
+        return ""
+    return dock if request.get(USE_ID, POSE not in request) is True else ""
 
 
 def choose_dock(request: Fields, location: object, path: str) -> str:

@@ -95,6 +95,7 @@ DOCK = ConnectToChargingDock(
     "action_tutorials_interfaces/action/ConnectToChargingDock",
     "connect_to_charging_dock",
     reads_dock_pose=True,
+    takes=(DOCK_ID, POSE, TYPE, USE_ID),
 )
 UNDOCK = DisconnectFromChargingDock(
     "undock",

@@ -7,6 +7,7 @@ Feedback says whether it sees it; `Undock` sends none.
 from dataclasses import dataclass
 
 from dock_gateway.core.dock_adapters.adapter import (
+    DESIRED,
     DOCK_ID,
     DOCKED,
     UNDOCKED,
@@ -69,5 +70,15 @@ def _outcome(status: GoalStatus, result: Fields, code: str, *, wanted: bool) -> 
     return Outcome(GoalStatus.ABORTED, GoalError(code, detail))
 
 
-DOCK = Create3Dock("dock", FAMILY, "irobot_create_msgs/action/Dock", "dock", reads_battery_goal=True, tells_stage=True)
-UNDOCK = Create3Undock("undock", FAMILY, "irobot_create_msgs/action/Undock", "undock", reads_battery_goal=True)
+DOCK = Create3Dock(
+    "dock",
+    FAMILY,
+    "irobot_create_msgs/action/Dock",
+    "dock",
+    reads_battery_goal=True,
+    takes=(DESIRED,),
+    tells_stage=True,
+)
+UNDOCK = Create3Undock(
+    "undock", FAMILY, "irobot_create_msgs/action/Undock", "undock", reads_battery_goal=True, takes=(DESIRED,)
+)

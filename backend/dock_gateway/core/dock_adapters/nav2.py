@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from dock_gateway.core.dock_adapters.adapter import (
+    DESIRED,
     DOCK_ID,
     DOCKED,
     NO_REASON,
@@ -131,5 +132,15 @@ def _outcome(status: GoalStatus, result: Fields, errors: Errors, retries: int | 
     return Outcome(status, GoalError(code, f"{detail}: {message[:MAX_MESSAGE]}" if message else detail), retries)
 
 
-DOCK = DockRobot("dock", FAMILY, "nav2_msgs/action/DockRobot", "dock_robot", reads_battery_goal=True, tells_stage=True)
-UNDOCK = UndockRobot("undock", FAMILY, "nav2_msgs/action/UndockRobot", "undock_robot", reads_battery_goal=True)
+DOCK = DockRobot(
+    "dock",
+    FAMILY,
+    "nav2_msgs/action/DockRobot",
+    "dock_robot",
+    reads_battery_goal=True,
+    takes=(DESIRED,),
+    tells_stage=True,
+)
+UNDOCK = UndockRobot(
+    "undock", FAMILY, "nav2_msgs/action/UndockRobot", "undock_robot", reads_battery_goal=True, takes=(DESIRED,)
+)

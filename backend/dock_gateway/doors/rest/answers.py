@@ -1,5 +1,6 @@
 """Answers to those who send and cancel goals."""
 
+from datetime import datetime
 from http import HTTPStatus
 from typing import Any
 
@@ -19,7 +20,9 @@ from dock_gateway.http.requests import Answer, json_response
 HEADERS = [{"name": "Prefer", "in": "header", "schema": {"type": "string"}, "example": "wait=30"}, IDEMPOTENCY_KEY]
 
 
-async def answer_sent(request: Request, parts: Parts, action: Action, goal: Goal, wait: float) -> Answer[Any]:
+async def answer_sent(
+    request: Request, parts: Parts, action: Action, goal: Goal, wait: float, *, began: datetime
+) -> Answer[Any]:
     """Answer a request that has sent a goal; before that, wait for its end if the `Prefer` header asks for it.
 
     Args:
@@ -28,6 +31,7 @@ async def answer_sent(request: Request, parts: Parts, action: Action, goal: Goal
         action: The action.
         goal: The goal.
         wait: Seconds to wait at most.
+        began: When the request was read: a goal that is older was sent by an earlier one with the same key.
     """
     trail = audited(request, goal_id=goal.goal_id)
     if wait:
@@ -36,7 +40,7 @@ async def answer_sent(request: Request, parts: Parts, action: Action, goal: Goal
             await wait_while_permitted(action.tracker.wait_terminal(goal, wait))
         except NotAuthenticated as ended:
             raise NotAuthenticated(f"{ended.detail}; the goal goes on", code=ended.code, goal_id=goal.goal_id) from None
-    return answer_goal(parts, goal, 200 if wait and goal.status.terminal else 202)
+    return answer_goal(parts, goal, 200 if (wait or goal.created_at < began) and goal.status.terminal else 202)
 
 
 def answer_goal(parts: Parts, goal: Goal, status: int) -> Answer[Any]:

@@ -11,6 +11,7 @@ from fastapi import APIRouter, Depends, Query, Request
 from starlette.responses import Response
 
 from dock_gateway.core.errors import FieldError, InvalidField, got
+from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import Verb
 from dock_gateway.core.grant import Role
 from dock_gateway.doors.rest.answers import HEADERS, answer_goal, answer_sent
@@ -111,10 +112,10 @@ def routes_of(goals: GoalCollection) -> APIRouter:
     async def send_one(
         request: Request, parts: AllParts, principal: ThePrincipal, target: Annotated[Target, Depends(goals.target)]
     ) -> Response:
-        wait, key = read_wait(request), read_own_key(request)
+        began, wait, key = utc_now(), read_wait(request), read_own_key(request)
         order = SendGoal(await _read_goal(request), target.action, target.verb or "dock", target.robot, key)
         action, goal = await send_goal(parts, principal, order)
-        return await answer_sent(request, parts, action, goal, wait)
+        return await answer_sent(request, parts, action, goal, wait, began=began)
 
     @router.get("", name=listing, include_in_schema=goals.listed, responses=WITH_POSITION)
     @operation(Role.VIEWER, Scope.LISTED, Audit.NEVER, errors=(404,))

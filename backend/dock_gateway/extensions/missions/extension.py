@@ -18,6 +18,7 @@ from dock_gateway.extensions.missions.routes import router
 from dock_gateway.extensions.missions.runner import MissionRunner
 from dock_gateway.extensions.missions.schema import MissionEvent
 from dock_gateway.fleet.alert_board import AlertBoard
+from dock_gateway.goals.docks import Docks
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
@@ -50,6 +51,7 @@ async def open_missions(parts: Parts) -> AsyncIterator[Missions]:
                 robots=robots,
                 actions=actions,
                 robot_actions=robot_actions,
+                docks=parts[Docks],
                 goals=parts[Goals],
                 history=history,
                 messages=messages,

@@ -17,6 +17,7 @@ from dock_gateway.extensions.missions.messages import Messages
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, Reason
 from dock_gateway.extensions.missions.moves import Cancel, Change, Facts, Send, Sent, Wait, WaitsFor
 from dock_gateway.extensions.missions.progress import begins_message, next_move
+from dock_gateway.goals.docks import Docks
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
@@ -39,6 +40,7 @@ class MissionRunner:
         robots: The robots, with their batteries.
         actions: All actions.
         robot_actions: Which of them dock and undock each robot.
+        docks: The docks that the robots' docking servers know.
         goals: Their goals.
         history: Finds goals that were sent before a restart.
         messages: Calls services, and publishes messages.
@@ -54,6 +56,7 @@ class MissionRunner:
         robots: RobotRegistry,
         actions: ActionRegistry,
         robot_actions: RobotActions,
+        docks: Docks,
         goals: Goals,
         history: History,
         messages: Messages,
@@ -65,6 +68,7 @@ class MissionRunner:
         self._robots = robots
         self._actions = actions
         self._robot_actions = robot_actions
+        self._docks = docks
         self._goals = goals
         self._history = history
         self._messages = messages
@@ -237,6 +241,8 @@ class MissionRunner:
             return Wait(WaitsFor.SERVER)
         try:
             message = await read_goal(step, action)
+            if step.verb is not None:
+                await self._docks.require(action, step.request)
             if mission.robot in self._stopped:
                 return None
             # No wait from here to the submission, which notices every stop that comes later.

@@ -6,7 +6,7 @@ fields.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from functools import cache
 from typing import Any
 
@@ -47,6 +47,11 @@ class MessageCodec:
         if unset_is_nan(message_class):
             floats = [name for name, kind in types.items() if isinstance(kind, Float)]
             self._defaults += [(name, _nan) for name in floats]
+
+    @property
+    def field_names(self) -> Collection[str]:
+        """The names of the fields."""
+        return self._fields.keys()
 
     def encode(self, message: Any) -> Json:
         """Encode a message as JSON text."""
