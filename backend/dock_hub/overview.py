@@ -25,7 +25,6 @@ from dock_gateway.fleet.acknowledgements import acknowledge
 from dock_gateway.fleet.alert import Acknowledgement, Alert
 from dock_gateway.goals.goals import Goals
 from dock_gateway.sites.names import site_grant
-from dock_gateway.stop.stop_report import together
 from dock_gateway.storage import History
 from dock_gateway.storage.shared_entries import SYNC_INTERVAL, SharedEntries
 from dock_hub.directory import SILENT_AFTER, SiteState
@@ -40,7 +39,7 @@ MAX_PUBLISHED = 512 * 1024
 # The fields of a site that change all the time. A change of the others is published.
 RESTLESS = frozenset({"lag_ms", "round_trip_ms", "clock_offset_s", "cursor"})
 Document = dict[str, Any]
-NO_STOP: Document = together(())
+NO_STOP: Document = {"latched": False, "stopped_at": None, "by": None, "robots": [], "persisted": True}
 NO_SERVER: Document = {"action_name": "", "action_type": "", "available": False, "answering": False, "duplicate": False}
 # A hub has the batteries of robots in `robots`, and publishes none.
 NO_BATTERY: Document = {
@@ -309,7 +308,16 @@ class Overview:
 
 def stop_of(robots: Iterable[Document]) -> Document:
     """Return the latches of robots as one. No robot of a site that is not connected counts as stopped."""
-    return together([robot["stop"] if robot["site_state"] is SiteState.CONNECTED else NO_STOP for robot in robots])
+    stops = [robot["stop"] if robot["site_state"] is SiteState.CONNECTED else NO_STOP for robot in robots]
+    latched = bool(stops) and all(stop["latched"] for stop in stops)
+    first = min(stops, key=lambda stop: str(stop["stopped_at"])) if latched else NO_STOP
+    return {
+        "latched": latched,
+        "stopped_at": first["stopped_at"],
+        "by": first["by"],
+        "robots": sorted({robot for stop in stops for robot in stop["robots"]}),
+        "persisted": all(stop["persisted"] for stop in stops),
+    }
 
 
 def servers_of(robots: Iterable[Document], namespace: str) -> Document:

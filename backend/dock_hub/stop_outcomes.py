@@ -52,18 +52,29 @@ class SiteFailure(BaseModel):
         return self.model_copy(update={"action_name": action, "robot": robot, **short})
 
 
+class StoppedRobot(BaseModel, frozen=True):
+    """A robot of a site that is stopped."""
+
+    robot: str
+    stopped_at: str
+    by: str | None = None
+
+
 class SiteLatch(BaseModel, frozen=True):
-    """The latch of a site."""
+    """The latched stops of a site."""
 
     latched: StrictBool
+    for_all: StrictBool
     stopped_at: str | None = None
     by: str | None = None
     robots: list[str]
+    stops: list[StoppedRobot]
     persisted: StrictBool
 
     def at_hub(self, site: str) -> Self:
         """Return it with names of the hub."""
-        return self.model_copy(update={"robots": _names(site, self.robots)})
+        stops = [each.model_copy(update={"robot": to_hub(site, each.robot)}) for each in self.stops]
+        return self.model_copy(update={"robots": _names(site, self.robots), "stops": stops})
 
 
 class OtherGateway(BaseModel):
@@ -97,7 +108,7 @@ class SiteReport(BaseModel, frozen=True):
         return self.model_copy(update={**renamed, **listed, "stop": self.stop.at_hub(site)})
 
 
-NOT_LATCHED = SiteLatch(latched=False, robots=[], persisted=True)
+NOT_LATCHED = SiteLatch(latched=False, for_all=False, robots=[], stops=[], persisted=True)
 NO_REPORT = SiteReport(
     stopped=[],
     not_stopped=[],
@@ -163,7 +174,7 @@ def judge(site: str, body: bytes, *, latch: bool) -> StopOutcome:
         report = SiteReport.model_validate_json(body)
     except ValidationError:
         report = None
-    if report is None or (latch and not report.stop.latched):
+    if report is None or (latch and not report.stop.for_all):
         detail = f"the site {site} has not said that the stop is latched"
         return StopOutcome(stopped=False, code="site_failed", detail=detail)
     moving = next((each for each in report.failed if each.robot and each.code not in HARMLESS), None)

@@ -29,7 +29,7 @@ from dock_gateway.http.requests import (
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.sites.names import site_grant, to_site
 from dock_gateway.stop.order import PREFER, STOP_REQUEST, noting, read_order, releases_stop, stops_robots
-from dock_gateway.stop.schema import StopState
+from dock_gateway.stop.schema import LatchedStops
 from dock_gateway.stop.stop_report import narrow_report, together
 from dock_hub.overview import Overview
 from dock_hub.stop_outcomes import NOT_LATCHED, SiteLatch, StopOutcome, report_of_all
@@ -45,8 +45,8 @@ AskSite = Callable[[str, str, str | None, Grant], Awaitable[SiteLatch]]
 
 @router.get("/stop")
 @operation(Role.VIEWER, Scope.LISTED, errors=(404, 504))
-async def get_stop(request: Request, stops: Part[Stops], robot: AnyRobotQuery = None) -> Answer[StopState]:
-    """Return whether a stop is latched for a robot, for all robots of a site (`/berlin`), or for all robots.
+async def get_stop(request: Request, stops: Part[Stops], robot: AnyRobotQuery = None) -> Answer[LatchedStops]:
+    """Return which robots are stopped: a robot and those below it, those of a site (`/berlin`), or all.
 
     Each site is asked. Without `robot`, no robot of a site that does not answer counts as stopped.
     """

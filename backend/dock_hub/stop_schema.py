@@ -3,7 +3,7 @@
 from datetime import datetime
 
 from dock_gateway.http.schema import Problem, Schema
-from dock_gateway.stop.schema import StopProblem, StopReport, StopState
+from dock_gateway.stop.schema import LatchedStops, StopProblem, StopReport
 
 
 class PendingStop(Schema):
@@ -52,7 +52,7 @@ class ReleaseAtSite(Schema):
     detail: str | None
 
 
-class HubStopState(StopState):
+class HubStopState(LatchedStops):
     """The stops of all robots that were released together, after a release that every site has carried out."""
 
     sites: dict[str, ReleaseAtSite]

@@ -70,7 +70,8 @@ class FakeSite:
         held = self.robots if self.latched else []
         self.by = (orjson.loads(request.body)["by"] if request.body else self.by) if self.latched else None
         state = {"latched": self.latched, "stopped_at": (self.latched and self.stopped_at) or None, "by": self.by}
-        state |= {"robots": held, "persisted": self.warning is None}
+        state |= {"robots": held, "persisted": self.warning is None, "for_all": self.latched}
+        state["stops"] = [{"robot": robot, "stopped_at": self.stopped_at, "by": self.by} for robot in held]
         report = {"stop": state, "failed": self.failed, "canceling": ["a"], "unconfirmed": ["/robot1/dock"]}
         report |= {"stopped": self.robots, "not_stopped": self.moving, "others": self.others, "warning": self.warning}
         return Answer(200, encode(report if request.method == "POST" else state))

@@ -80,7 +80,8 @@ def test_all_sites_are_stopped_and_released(hub: Hub) -> None:
     released = hub.http.delete("/stop")
     assert released.status_code == 200
     sites = {name: {"released": True, "code": None, "detail": None} for name in (BERLIN, OSLO)}
-    state = {"latched": False, "stopped_at": None, "by": None, "robots": [], "persisted": True}
+    state = {"latched": False, "for_all": False, "stopped_at": None, "by": None}
+    state |= {"robots": [], "stops": [], "persisted": True}
     assert released.json() == state | {"sites": sites}
     assert not hub.site(OSLO).latched
     again = hub.http.post("/stop", json={"by": "Bob"}).json()["stop"]
@@ -100,7 +101,7 @@ def test_a_stop_that_is_not_confirmed_is_no_success(hub: Hub) -> None:
         ["/oslo/robot1", "/oslo/robot2"],
     )
     assert problem["failed"] == [{"action_name": None, "robot": "/oslo", **away}]
-    assert (problem["canceling"], problem["stop"]["latched"]) == (["a"], False)
+    assert (problem["canceling"], problem["stop"]["latched"], problem["stop"]["for_all"]) == (["a"], True, False)
     assert "1 of 2 sites (oslo: the site oslo is not connected)" in problem["detail"]
     released = hub.http.delete("/stop")
     assert (released.status_code, released.json()["code"]) == (504, "release_incomplete")
@@ -111,8 +112,8 @@ def test_a_site_that_does_not_answer_does_not_count_as_stopped(hub: Hub) -> None
     assert hub.http.post("/stop").status_code == 200
     hub.site(OSLO).reachable = False
     state = hub.http.get("/stop").json()
-    assert (state["latched"], state["stopped_at"]) == (False, None)
-    assert state["robots"] == ["/berlin/robot1", "/berlin/robot2"]
+    assert (state["latched"], state["for_all"]) == (True, False)
+    assert state["robots"] == [stop["robot"] for stop in state["stops"]] == ["/berlin/robot1", "/berlin/robot2"]
     away = hub.http.get("/stop", params={"robot": "/oslo/robot1"})
     assert (away.status_code, away.json()["code"]) == (503, "site_unreachable")
     unknown = hub.http.get("/stop", params={"robot": "/paris"})

@@ -96,7 +96,7 @@ class SiteApi:
     async def _stop(self, request: Request) -> Response:
         robots = request.query_params.getlist("robot")
         if request.method == "GET":
-            return _json(self._site.stop_state(robots[0] if robots else "/"))
+            return _json(self._site.latched_stops(robots[0] if robots else "/"))
         if request.method == "DELETE":
             return _json(self._site.release(robots[0] if robots else "/"))
         body = orjson.loads(await request.body() or b"{}")

@@ -16,6 +16,7 @@ from dock_gateway.core.event import Event, fleet_event, result_event, status_eve
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.core.narrowing import narrow_robots
+from dock_gateway.stop.stop_report import latched_stops
 
 ACTION_TYPE = "action_tutorials_interfaces/action/ConnectToChargingDock"
 # Seconds between two reports of the robots that have changed: as `fleet.fleet` does it.
@@ -175,7 +176,7 @@ class SimulatedSite:
             "canceling": sorted({goal.action_name for goal in canceled}),
             "failed": [],
             "unconfirmed": [],
-            "stop": self.stop_state(robots[0] if robots else "/"),
+            "stop": self.latched_stops(robots[0] if robots else "/"),
             "others": [],
             "warning": None,
         }
@@ -185,7 +186,7 @@ class SimulatedSite:
         self.stops = {name: stop for name, stop in self.stops.items() if robot not in ("/", name)}
         self._journal.write(stops=self.stops)
         self._stops_changed()
-        return self.stop_state(robot)
+        return self.latched_stops(robot)
 
     def _stops_changed(self) -> None:
         self._changed.update(self._robots)
@@ -195,8 +196,12 @@ class SimulatedSite:
     def _held(self, name: str) -> bool:
         return any(name.startswith(f"{robot.rstrip('/')}/") or name == robot for robot in self.stops)
 
-    def stop_state(self, robot: str) -> dict[str, Any]:
+    def latched_stops(self, robot: str) -> dict[str, Any]:
         """As `GET /stop` shows it."""
+        return latched_stops(self.stop_state(robot), self.stop_state)
+
+    def stop_state(self, robot: str) -> dict[str, Any]:
+        """As the robot itself shows it."""
         holding = self.stops.get(robot) or self.stops.get("/")
         held = [name for name in self._robots if self._held(name) and (robot in ("/", name))]
         since, by = (holding["stopped_at"], holding["by"]) if holding else (None, None)

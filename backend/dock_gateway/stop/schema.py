@@ -18,7 +18,7 @@ class StopFailure(Schema):
 
 
 class StopState(Schema):
-    """Whether a stop is latched for a robot, since when and by whom.
+    """Whether a stop is latched for one robot, since when and by whom.
 
     `robots` lists the robots at or below it that a stop holds. `persisted` is false if the gateway could not store its
     latest stop or release, so that a restart would lose it.
@@ -29,6 +29,26 @@ class StopState(Schema):
     by: str | None
     robots: list[RosName]
     persisted: bool
+
+
+class StopOfRobot(Schema):
+    """Since when a stop holds a robot, and by whom."""
+
+    robot: RosName
+    stopped_at: datetime
+    by: str | None
+
+
+class LatchedStops(StopState):
+    """Which of the robots that were asked about are stopped: one and those below it, several, or all.
+
+    `latched` is true if a stop is latched for any of them, `for_all` only if for all of them, also for those that
+    appear later. `stopped_at` and `by` are those of the first stop that is still latched, and `stops` has each robot
+    of `robots` with its own.
+    """
+
+    for_all: bool
+    stops: list[StopOfRobot]
 
 
 class StopReport(Schema):
@@ -48,7 +68,7 @@ class StopReport(Schema):
     canceling: list[str]
     failed: list[StopFailure]
     unconfirmed: list[str]
-    stop: StopState
+    stop: LatchedStops
     others: list[GatewayAddress]
     warning: "Problem | None"
 
@@ -61,5 +81,5 @@ class StopProblem(Problem):
     canceling: list[str] | None = None
     failed: list[StopFailure] | None = None
     unconfirmed: list[str] | None = None
-    stop: StopState | None = None
+    stop: LatchedStops | None = None
     others: list[GatewayAddress] | None = None

@@ -1,11 +1,15 @@
 """The report of a stop: what it has done, and what failed."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from operator import itemgetter
 from typing import Any
 
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.grant import Grant
+
+# The fields of a latch that say since when and by whom.
+SINCE = ("stopped_at", "by")
 
 
 @dataclass
@@ -17,7 +21,7 @@ class StopReport:
         failed: The actions that refused or could not be reached, and the robots that are not known, to which zero
             velocity could not be published, or whose nodes do not get the stop.
         unconfirmed: The actions that have not answered the cancel request yet.
-        stop: The latch, as `GET /stop` shows it.
+        stop: Which of the robots are stopped, as `GET /stop` shows it.
         stopped: The robots to which zero velocity was published, sorted.
         not_stopped: The other robots of this gateway, sorted: those that were not meant, and those that failed.
         others: The other gateways, where this one has a share of the robots and all of them were to stop.
@@ -77,14 +81,41 @@ def narrow_report(report: dict[str, Any], grant: Grant) -> dict[str, Any]:
     }
 
 
-def together(stops: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return several latches as one: latched if each of them is, since the first was."""
-    latched = bool(stops) and all(stop["latched"] for stop in stops)
-    first = min(stops, key=lambda stop: str(stop["stopped_at"])) if latched else {"stopped_at": None, "by": None}
+def latched_stops(latch: dict[str, Any], of: Callable[[str], dict[str, Any]]) -> dict[str, Any]:
+    """Return the latch of a namespace as `GET /stop` shows it, with the stop of each robot at or below it.
+
+    Args:
+        latch: The latch.
+        of: Returns that of a robot.
+    """
+    stops = [{"robot": robot, **{name: of(robot)[name] for name in SINCE}} for robot in latch["robots"]]
+    return _described(latch["latched"], [latch] if latch["latched"] else [], stops, persisted=latch["persisted"])
+
+
+def together(states: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Return the stops of several namespaces as one: for all of them if for each."""
+    stops = sorted((stop for state in states for stop in state["stops"]), key=itemgetter("robot"))
+    first = [state for state in states if state["latched"]]
+    for_all = bool(states) and all(state["for_all"] for state in states)
+    return _described(for_all, first, stops, persisted=all(state["persisted"] for state in states))
+
+
+def narrow_stops(state: dict[str, Any], grant: Grant) -> dict[str, Any]:
+    """Return the stops of the robots of a grant; who has stopped all of them, too."""
+    stops = [stop for stop in state["stops"] if grant.covers_robot(stop["robot"])]
+    return _described(state["for_all"], [state] if state["for_all"] else [], stops, persisted=state["persisted"])
+
+
+def _described(
+    for_all: bool, wider: Sequence[dict[str, Any]], stops: list[dict[str, Any]], *, persisted: bool
+) -> dict[str, Any]:
+    """Return the document of some stops; `wider` are those of namespaces that hold, also where there is no robot."""
+    first = min((*wider, *stops), key=lambda stop: str(stop["stopped_at"]), default=None)
     return {
-        "latched": latched,
-        "stopped_at": first["stopped_at"],
-        "by": first["by"],
-        "robots": sorted({robot for stop in stops for robot in stop["robots"]}),
-        "persisted": all(stop["persisted"] for stop in stops),
+        "latched": first is not None,
+        "for_all": for_all,
+        **(dict.fromkeys(SINCE) if first is None else {name: first[name] for name in SINCE}),
+        "robots": [stop["robot"] for stop in stops],
+        "stops": stops,
+        "persisted": persisted,
     }

@@ -19,7 +19,7 @@ from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.registry import Robot, RobotRegistry
 from dock_gateway.stop.running_stop import RunningStop
-from dock_gateway.stop.stop_report import StopReport, not_known, not_latched, together
+from dock_gateway.stop.stop_report import StopReport, latched_stops, not_known, not_latched, together
 
 log = logging.getLogger(__name__)
 
@@ -90,8 +90,21 @@ class Stopper:
         """
         return self._interlock.document(self._robots.place(namespace))
 
+    def stops(self, namespace: str | None = None) -> dict[str, Any]:
+        """Return which robots are stopped, of one and those below it or, by default, of all, as `GET /stop` shows it.
+
+        Raises:
+            NotFound: There is no such robot.
+        """
+        return self._stops(self._robots.place(namespace))
+
+    def _stops(self, name: str) -> dict[str, Any]:
+        return latched_stops(self._interlock.document(name), self._interlock.document)
+
     async def release(self, namespace: str | None = None) -> dict[str, Any]:
-        """Release the stop of a robot and those below it, of all robots by default; return the latch.
+        """Release the stop of a robot and those below it, of all robots by default.
+
+        Return which of them are still stopped.
 
         Raises:
             NotFound: There is no such robot.
@@ -99,7 +112,7 @@ class Stopper:
         """
         name = self._robots.place(namespace)
         await self._interlock.release(name)
-        return self._interlock.document(name)
+        return self._stops(name)
 
     async def stop(self, *namespaces: str, latch: bool = True, by: str | None = None, wait: float = 0.0) -> StopReport:
         """Publish zero velocity, cancel every goal on every action of the robots, publish zero velocity again.
@@ -146,7 +159,7 @@ class Stopper:
         return report
 
     def _complete(self, report: StopReport, stops: dict[str, RunningStop]) -> None:
-        report.stop = together([self._interlock.document(name) for name in stops])
+        report.stop = together([self._stops(name) for name in stops])
         if self._share.limited and ALL_ROBOTS in stops:
             report.others = [claim.document() for claim in self._share.others()]
         for name, stop in stops.items():

@@ -11,7 +11,7 @@ from dock_gateway.http.schema import Schema
 from dock_gateway.operations.battery import MAX_RATE, MIN_RATE
 from dock_gateway.robots.schema import BatteryState, BatteryStateInput, Publisher
 from dock_gateway.stop.order import STOP_REQUEST
-from dock_gateway.stop.schema import StopProblem, StopReport, StopState
+from dock_gateway.stop.schema import LatchedStops, StopProblem, StopReport
 from dock_gateway.streams.includes import Includes
 from dock_gateway.streams.queries import MAX_RATE as MAX_EVENTS
 from dock_gateway.streams.queries import MIN_RATE as MIN_EVENTS
@@ -168,7 +168,7 @@ class StopAck(StopReport, Ack):
 class ReleaseAck(Ack):
     """The answer to `release_stop`."""
 
-    stop: StopState
+    stop: LatchedStops
 
 
 class SubscriptionAck(Ack):

@@ -12,7 +12,8 @@ import pytest
 
 from dock_gateway.core.errors import Conflict, NotFound, Unavailable
 from dock_gateway.core.goal import encode
-from dock_gateway.stop.stop_report import StopReport
+from dock_gateway.core.grant import Grant, Role
+from dock_gateway.stop.stop_report import StopReport, narrow_stops
 from dock_gateway.stop.stopper import TIMING, StopTiming
 from tests.support.shapes import check_answer, check_event
 from tests.support.stopping import FakeFleet, fake_fleet
@@ -49,11 +50,14 @@ async def test_all_that_a_stop_does(fleet: FakeFleet) -> None:
     report = await fleet.stopper.stop(by="Ada")
     assert (report.canceling, report.failed, report.unconfirmed, report.problems) == (["a"], [], [], [])
     assert (report.stopped, report.not_stopped) == (list(NAMES), [])
-    assert report.stop | {"stopped_at": None} == {
+    stopped_at = report.stop["stopped_at"]
+    assert report.stop == {
         "latched": True,
-        "stopped_at": None,
+        "for_all": True,
+        "stopped_at": stopped_at,
         "by": "Ada",
         "robots": list(NAMES),
+        "stops": [{"robot": name, "stopped_at": stopped_at, "by": "Ada"} for name in NAMES],
         "persisted": True,
     }
     assert list(fleet.file.read()) == list(NAMES)
@@ -73,7 +77,35 @@ async def test_several_robots_are_stopped_by_one_request(fleet: FakeFleet) -> No
     assert not fleet.interlock.holds("/")
     await fleet.stopper.release("/robot2")
     together = (await fleet.stopper.stop("/robot1", "/robot2", latch=False)).stop
-    assert (together["latched"], together["stopped_at"], together["robots"]) == (False, None, ["/robot1"])
+    assert (together["latched"], together["for_all"], together["robots"]) == (True, False, ["/robot1"])
+
+
+async def test_all_robots_that_are_stopped_one_by_one_are_stopped(fleet: FakeFleet) -> None:
+    """A light that is made of `latched` must not be green; when and by whom must not be lost."""
+    for name, by in (("/robot2", "Bob"), ("/robot1", "Ada")):
+        await fleet.stopper.stop(name, by=by)
+        await asyncio.sleep(1.0)
+    state = fleet.stopper.stops()
+    assert (state["latched"], state["for_all"], state["by"]) == (True, False, "Bob")
+    assert [(stop["robot"], stop["by"]) for stop in state["stops"]] == [("/robot1", "Ada"), ("/robot2", "Bob")]
+    assert state["stopped_at"] == state["stops"][1]["stopped_at"]
+    assert state["robots"] == ["/robot1", "/robot2"]
+    assert not fleet.stopper.state("/")["latched"]  # the robot of that name is not stopped
+    one = fleet.stopper.stops("/robot1")
+    assert (one["latched"], one["for_all"], one["by"], one["robots"]) == (True, True, "Ada", ["/robot1"])
+    mine = narrow_stops(state, Grant(Role.VIEWER, robots=("/robot1",)))
+    assert (mine["latched"], mine["by"], mine["robots"]) == (True, "Ada", ["/robot1"])
+    await fleet.stopper.release("/robot2")
+    await fleet.stopper.release("/robot1")
+    assert fleet.stopper.stops() == {
+        "latched": False,
+        "for_all": False,
+        "stopped_at": None,
+        "by": None,
+        "robots": [],
+        "stops": [],
+        "persisted": True,
+    }
 
 
 async def test_several_robots_of_which_one_cannot_be_reached(fleet: FakeFleet) -> None:

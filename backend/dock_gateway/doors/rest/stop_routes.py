@@ -32,7 +32,8 @@ from dock_gateway.http.requests import (
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.operations import stop as operations
 from dock_gateway.stop.order import PREFER, STOP_REQUEST, noting, read_order
-from dock_gateway.stop.schema import StopReport, StopState
+from dock_gateway.stop.schema import LatchedStops, StopReport
+from dock_gateway.stop.stop_report import narrow_stops
 from dock_gateway.stop.stopper import Stopper
 
 router = APIRouter(route_class=ApiRoute, tags=["Stop"])
@@ -93,20 +94,20 @@ async def _read_body(request: Request, parts: Parts) -> Any:
 
 @router.get("/stop")
 @operation(Role.VIEWER, Scope.LISTED, errors=(404, 421))
-async def get_stop(stopper: Part[Stopper], grant: TheGrant, robot: AnyRobotQuery = None) -> Answer[StopState]:
-    """Return whether a stop is latched for a robot; without `robot`, for all robots.
+async def get_stop(stopper: Part[Stopper], grant: TheGrant, robot: AnyRobotQuery = None) -> Answer[LatchedStops]:
+    """Return which robots are stopped: a robot and those below it; without `robot`, all.
 
-    `robots` leaves out those beyond the user's limits.
+    `robots` and `stops` leave out those beyond the user's limits.
     """
-    state = stopper.state(robot)
+    state = stopper.stops(robot)
     if robot is not None and read_namespace(robot) != ALL_ROBOTS and not grant.covers_robot(read_namespace(robot)):
         raise not_covered(f"the robot {robot}")
-    return json_response({**state, "robots": [name for name in state["robots"] if grant.covers_robot(name)]})
+    return json_response(narrow_stops(state, grant))
 
 
 @router.delete("/stop", responses=problems(409))
 @carries_out(operations.release_stop)
-async def release_stop(parts: AllParts, principal: ThePrincipal, robot: BelowQuery = None) -> Answer[StopState]:
+async def release_stop(parts: AllParts, principal: ThePrincipal, robot: BelowQuery = None) -> Answer[LatchedStops]:
     """Release the stop of a robot and of the robots below it, without `robot` of all; also if none is latched.
 
     This moves no robot.

@@ -122,7 +122,7 @@ def test_a_site_that_does_not_answer_is_not_said_to_be_stopped(world: World) -> 
     assert (problem["stopped"], problem["not_stopped"]) == (["/berlin"], ["/oslo"])
     assert [failure["robot"] for failure in problem["failed"]] == ["/oslo"]
     assert "oslo" in problem["detail"]
-    assert (problem["stop"]["latched"], problem["stop"]["robots"]) == (False, ["/berlin"])
+    assert (problem["stop"]["for_all"], problem["stop"]["robots"]) == (False, ["/berlin"])
     assert world.berlin.http.get("/stop").json()["latched"]
     assert world.client.request("GET", "/stop")["robots"] == ["/berlin"]
     world.client.release("/berlin")
