@@ -117,7 +117,12 @@ CORE = (
     ErrorCode("calibration_refused", 409, "The docking server did not calibrate the dock; the detail is its reason."),
     ErrorCode("cancel_rejected", 409, "The action server refuses to cancel."),
     ErrorCode("display_name_taken", 409, "Another robot has this display name, or has it as its namespace."),
-    ErrorCode("dock_busy", 409, "The action server did not accept the goal, as another one is running; `goal_id`."),
+    ErrorCode(
+        "dock_busy",
+        409,
+        "The action server did not accept the goal, as another one is running: `running_goal_id`, if the gateway knows "
+        "it; `goal_id` is the one that was not accepted.",
+    ),
     ErrorCode(
         "duplicate_action_server",
         409,

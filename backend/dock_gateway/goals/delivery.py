@@ -143,8 +143,7 @@ class GoalDelivery:
         except GatewayError as error:
             self._tracker.apply(GoalMachine.end, goal, GoalStatus.REJECTED, error=GoalError(error.code, error.detail))
             raise
-        await self._take_answer(goal, call)
-        return outcome(goal)
+        return outcome(goal, running=await self._take_answer(goal, call))
 
     @staticmethod
     def _act(sender: Principal | None) -> None:
@@ -154,25 +153,26 @@ class GoalDelivery:
 
     # ------------------------------------------------------------------ the answer
 
-    async def _take_answer(self, goal: Goal, call: PendingCall) -> None:
+    async def _take_answer(self, goal: Goal, call: PendingCall) -> str | None:
+        """Take the answer; return the goal that was running, if it was rejected because of one."""
         try:
             async with asyncio.timeout(self._context.settings.accept_timeout):
                 response = await asyncio.shield(call.response)
         except TimeoutError:
             self._give_up(goal, call)
-            return
+            return None
         self._tracker.heard()
         if response.accepted:
             self._accept(goal, response)
             # A gateway that is killed after its answer then knows that the goal runs.
             await self._context.history.seal(goal, [])
-        else:
-            await self._reject(goal)
+            return None
+        return await self._reject(goal)
 
     def _accept(self, goal: Goal, response: Any) -> None:
         self._tracker.apply(GoalMachine.accept, goal, response.stamp.sec * 1_000_000_000 + response.stamp.nanosec)
 
-    async def _reject(self, goal: Goal) -> None:
+    async def _reject(self, goal: Goal) -> str | None:
         busy_with = self._busy_with()
         reason = await self._context.reasons.wait_for(goal.goal_id)
         if reason is not None:
@@ -183,8 +183,9 @@ class GoalDelivery:
         else:
             error = GoalError("goal_rejected", "the action server rejected the goal and gave no reason")
         if goal.status is not GoalStatus.PENDING:
-            return  # it runs: the server refused the same id sent again
+            return None  # it runs: the server refused the same id sent again
         self._tracker.apply(GoalMachine.end, goal, GoalStatus.REJECTED, error=error)
+        return busy_with if error.code == "dock_busy" else None
 
     def _busy_with(self) -> str | None:
         running = (goal for goal in self._tracker.running() if goal.status is not GoalStatus.PENDING)
@@ -227,8 +228,12 @@ _REFUSALS: dict[str, type[GatewayError]] = {
 }
 
 
-def outcome(goal: Goal) -> Goal:
+def outcome(goal: Goal, *, running: str | None = None) -> Goal:
     """Return the goal, or raise the error for its sender: the same one for each retry with the same key.
+
+    Args:
+        goal: The goal.
+        running: The goal because of which it was rejected, if that is known.
 
     Raises:
         Conflict: The goal was rejected.
@@ -242,4 +247,5 @@ def outcome(goal: Goal) -> Goal:
     if error is None or not (goal.status is GoalStatus.REJECTED or gave_up):
         return goal
     refusal = _REFUSALS.get(error.code, Conflict)
-    raise refusal(error.detail, code=error.code, goal_id=goal.goal_id)
+    busy = {} if running is None else {"running_goal_id": running}
+    raise refusal(error.detail, code=error.code, goal_id=goal.goal_id, **busy)

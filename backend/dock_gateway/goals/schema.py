@@ -161,7 +161,8 @@ StoredEvent = ActionStatusEvent | ActionFeedbackEvent | ActionResultEvent | Pose
 class GoalHistory(Schema):
     """The events of a goal, oldest first.
 
-    `next_after` is null on the last page. `complete` is false if events are missing.
+    `next_after` is null on the last page. `complete` is false if events that the gateway has received are not stored
+    any more; what it has missed, because it was killed or cut off, it does not know.
     """
 
     events: list[StoredEvent]
@@ -219,7 +220,7 @@ class GoalTags(Versioned):
 
 
 class ExportedGoal(Goal):
-    """A goal with its events, oldest first; `complete` is false if events are missing."""
+    """A goal with its events, oldest first; `complete` is that of its history."""
 
     complete: bool
     events: list[StoredEvent]

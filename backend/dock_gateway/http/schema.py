@@ -53,7 +53,8 @@ class GatewayAddress(Schema):
 class Problem(BaseModel):
     """RFC 9457 problem document.
 
-    `errors` lists invalid fields; `goal_id` is the goal that the problem is about. If a robot has no docking server:
+    `errors` lists invalid fields; `goal_id` is the goal that the problem is about, and
+    `running_goal_id` the one that keeps the robot busy. If a robot has no docking server:
     `robots` lists those that have one, and `settings` are lines that join the robot with a docking server. `docks` are
     those that the docking server has. Where a setting of the gateway forbids something, `settings` has the line that
     would allow it.
@@ -75,6 +76,7 @@ class Problem(BaseModel):
     detail: str
     errors: list[FieldProblem] | None = None
     goal_id: str | None = None
+    running_goal_id: str | None = None
     retry_after: int | None = None
     limit: int | None = None
     use: str | None = None

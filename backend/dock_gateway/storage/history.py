@@ -266,9 +266,9 @@ class History:
         return goal
 
     async def known(self, goal_ids: Collection[str]) -> dict[str, Goal]:
-        """Return the stored goals among these ids, by id."""
+        """Return the stored goals among these ids, by id, to go on with those that have not ended."""
         waiting = {goal_id: self.waiting.goals[goal_id] for goal_id in goal_ids if goal_id in self.waiting.goals}
-        stored = await self.reader.read(queries.goals_by_id, list(goal_ids))
+        stored = await self.reader.read(queries.goals_to_follow, list(goal_ids))
         found = {**stored, **merge_all(stored, waiting)}
         if len(found) < len(goal_ids):
             self.reader.require_everything()

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import sqlalchemy as sa
 
 from dock_gateway.core.cursor import Cursor
-from dock_gateway.core.event import FEEDBACK, KIND_AT, Event
+from dock_gateway.core.event import FEEDBACK, KIND_AT, NEVER, Event
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.storage.merge import merge, merge_all
@@ -210,8 +210,22 @@ def page_with_waiting(
 
 
 def unfinished_or(connection: sa.Connection, goal_ids: Collection[str]) -> dict[str, Goal]:
-    """Return the unfinished goals and the goals with these ids."""
-    return {goal.goal_id: goal for goal in unfinished(connection)} | goals_by_id(connection, goal_ids)
+    """Return the unfinished goals and the goals with these ids, to go on with those that have not ended."""
+    found = {goal.goal_id: goal for goal in unfinished(connection)} | goals_by_id(connection, goal_ids)
+    return _counted(connection, found)
+
+
+def goals_to_follow(connection: sa.Connection, goal_ids: Collection[str]) -> dict[str, Goal]:
+    """Return the stored goals among these ids, to go on with those that have not ended."""
+    return _counted(connection, goals_by_id(connection, goal_ids))
+
+
+def _counted(connection: sa.Connection, found: dict[str, Goal]) -> dict[str, Goal]:
+    """Count the feedback of those that have not ended: who was killed has stored the events, but not how many."""
+    for goal in found.values():
+        if not goal.status.final:
+            goal.feedback_count = max(goal.feedback_count, feedback_of_goal(connection, goal.goal_id, NEVER)[0])
+    return found
 
 
 def cursor_of(goal: Goal) -> Cursor:

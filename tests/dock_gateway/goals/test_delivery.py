@@ -302,6 +302,7 @@ async def test_a_rejection_while_another_goal_runs_says_so(scene: Scene) -> None
     scene.answer(REJECTED)
     refused = await refusal(task)
     assert (refused.code, refused.detail) == ("dock_busy", f"goal {B} is running; cancel it first")
+    assert (refused.extra["running_goal_id"], refused.extra["goal_id"] != B) == (B, True)
 
 
 async def test_a_goal_that_runs_is_not_ended_by_a_rejection(scene: Scene) -> None:

@@ -82,6 +82,20 @@ async def test_events_after_an_event(place: str, tmp_path: Path) -> None:
         assert await after(0) is None, "the past does not reach back so far"
 
 
+async def test_the_feedback_of_a_goal_is_counted_on_after_a_kill(place: str, tmp_path: Path) -> None:
+    """Its events were stored, but not their number."""
+    async with open_place(place, tmp_path) as history:
+        await history.add(started(0, 0))
+        for number in range(63):
+            history.record_event(make_event(number, droppable=number > 0))
+        await settled(history)
+        assert [goal.feedback_count for goal in await history.unfinished()] == [62]
+        assert (await history.known(["g1"]))["g1"].feedback_count == 62
+        ended = make_goal(2, GoalStatus.SUCCEEDED, goal_id="g2", feedback_count=7)
+        await history.add(ended)
+        assert (await history.known(["g2"]))["g2"].feedback_count == 7
+
+
 async def test_nothing_is_missing_of_a_goal_whose_events_are_there(place: str, tmp_path: Path) -> None:
     async with open_place(place, tmp_path) as history:
         assert await history.knows_all_of(make_goal(1)), "it has had no event yet"

@@ -203,6 +203,8 @@ class Recorder:
         """Return why nothing is kept of a goal that has ended; None: it is kept."""
         if goal.unsent:
             return "The goal was not sent to the action server."
+        if goal.status is GoalStatus.REJECTED:
+            return "The action server did not accept the goal."
         if goal.status is GoalStatus.SUCCEEDED and self._settings.recordings != "all":
             return "The goal succeeded, and only others are kept (`--recordings all`)."
         return None
