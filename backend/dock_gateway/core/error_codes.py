@@ -166,7 +166,11 @@ CORE = (
         "Over 1 MB, or more than 20,000 objects and arrays; a message in CDR with more than 10,000 nested messages and "
         "texts.",
     ),
-    ErrorCode("unsupported_media_type", 415, "The body's `Content-Type` is not accepted as JSON."),
+    ErrorCode(
+        "unsupported_media_type",
+        415,
+        "The body's `Content-Type` is not accepted as JSON, or it has a `Content-Encoding`, such as gzip.",
+    ),
     ErrorCode(
         "changed_meanwhile",
         412,

@@ -32,8 +32,14 @@ class FieldError:
         return {"in": self.place, "path": self.path, "expected": self.expected, "detail": self.detail}
 
 
+# What JSON calls them.
+_WORDS = {None: "null", True: "true", False: "false"}
+
+
 def got(value: object, longest: int = 40) -> str:
     """Describe the received value, for `FieldError.detail`. JSON may be nested deeper than `repr` can follow."""
+    if value is None or isinstance(value, bool):
+        return f"got {_WORDS[value]}"
     try:
         text = repr(value)
     except RecursionError:

@@ -247,5 +247,5 @@ def outcome(goal: Goal, *, running: str | None = None) -> Goal:
     if error is None or not (goal.status is GoalStatus.REJECTED or gave_up):
         return goal
     refusal = _REFUSALS.get(error.code, Conflict)
-    busy = {} if running is None else {"running_goal_id": running}
+    busy: dict[str, Any] = {} if running is None else {"running_goal_id": running}
     raise refusal(error.detail, code=error.code, goal_id=goal.goal_id, **busy)

@@ -13,7 +13,7 @@ from dock_gateway.core.namespace import read_namespace
 from dock_gateway.goals.known_robots import KnownRobots
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.http.parts import Parts
-from dock_gateway.http.queries import SinceQuery, UntilQuery
+from dock_gateway.http.queries import SinceQuery, UntilQuery, require_span
 from dock_gateway.http.requests import LINE_OF_TEXT, MAX_GROUP, MAX_TAG, BelowQuery, StatusQuery
 from dock_gateway.setting_types import LONGEST_NAME, TOPIC
 from dock_gateway.settings import Settings
@@ -70,6 +70,7 @@ class GoalSelection(BaseModel):
             NotFound: There is and was no such robot (`robot_not_found`).
             Unavailable: The history does not answer (`history_unavailable`).
         """
+        require_span(self.since, self.until)
         settings, robot_actions = parts[Settings], parts[RobotActions]
         namespace = "/" if self.robot is None else read_namespace(self.robot)
         under = None if self.robot is None else namespace

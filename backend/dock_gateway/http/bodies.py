@@ -1,6 +1,6 @@
 """Bodies as pydantic models: one declaration is the reader, the JSON Schema and the example."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
@@ -14,8 +14,9 @@ from pydantic_core import PydanticCustomError
 from dock_gateway.core.errors import FieldError, InvalidField, got
 from dock_gateway.core.namespace import is_namespace, normalize_namespace
 from dock_gateway.http.principal import read_signed_json
-from dock_gateway.http.requests import MAX_GROUP, MAX_TAG, ROBOT_PATTERN, is_name, name_schema, read_json
-from dock_gateway.setting_types import LONGEST_NAME
+from dock_gateway.http.queries import EVENT_ID
+from dock_gateway.http.requests import LINE_OF_TEXT, MAX_GROUP, MAX_TAG, ROBOT_PATTERN, is_name, name_schema, read_json
+from dock_gateway.setting_types import LONGEST_NAME, TOPIC
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
 MAX_ERRORS = 20
@@ -157,11 +158,34 @@ def _field_error(item: Any, schema: dict[str, Any]) -> FieldError:
             return FieldError(path, f"one of {known}" if known else "no field", "got an unknown field")
         case "expected":
             return FieldError(path, context["expected"], context["detail"] or got(item["input"]))
-    return FieldError(path, expectation(item["msg"]), got(item["input"]))
+    return FieldError(path, expectation(item), got(item["input"]))
 
 
-def expectation(message: str) -> str:
-    """Return what pydantic's message says that it expects."""
+# What a text has to be, by its pattern.
+FORMS = {
+    f"^{LINE_OF_TEXT.pattern}$": "text in one line",
+    f"^{EVENT_ID.pattern}$": "the id of an event",
+    f"^{TOPIC.pattern}$": "a name on the ROS graph, such as /robot1/dock",
+    r"^[^\x00]*$": "text without NUL",
+}
+# What is expected of the length of a list or a text, by pydantic's type of the error.
+LENGTHS = {
+    "too_short": ("at least", "min_length", "item"),
+    "too_long": ("at most", "max_length", "item"),
+    "string_too_short": ("at least", "min_length", "character"),
+    "string_too_long": ("at most", "max_length", "character"),
+}
+
+
+def expectation(item: Mapping[str, Any]) -> str:
+    """Return in plain words what an error of pydantic says that it expects."""
+    kind, context, message = item["type"], item.get("ctx", {}), str(item["msg"])
+    if kind in LENGTHS:
+        bound, limit, what = LENGTHS[kind]
+        number = context[limit]
+        return f"{bound} {number} {what}{'' if number == 1 else 's'}"
+    if kind == "string_pattern_mismatch":
+        return FORMS.get(context["pattern"], "a text of the form that is documented at /docs")
     return message.removeprefix("Input should be ").removeprefix("Value error, ").partition(", unable to parse")[0]
 
 

@@ -111,12 +111,16 @@ async def _gateway_error(connection: Request | WebSocket, error: Exception) -> R
 
 
 def _field_error(item: dict[str, Any]) -> FieldError:
-    """Return an error of FastAPI, of a parameter: `loc` begins with the part of the request that has it."""
+    """Return an error of FastAPI, of a parameter: `loc` begins with the part of the request that has it.
+
+    A parameter may be repeated; which of them it was, `got` says.
+    """
     place, *path = item["loc"]
+    path = [part for part in path if not isinstance(part, int)]
     missing = item["type"] == "missing"
     return FieldError(
         ".".join(map(str, path)),
-        "a value" if missing else expectation(str(item["msg"])),
+        "a value" if missing else expectation(item),
         "it is missing" if missing else got(item.get("input"), 60),
         place,
     )

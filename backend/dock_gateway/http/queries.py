@@ -7,6 +7,8 @@ from typing import Annotated
 from fastapi import Query
 from pydantic import AfterValidator, AwareDatetime, BeforeValidator
 
+from dock_gateway.core.errors import FieldError, InvalidField
+
 # The range of ROS times, which are 64-bit nanoseconds.
 EARLIEST, LATEST = datetime(1970, 1, 1, tzinfo=UTC), datetime(2262, 1, 1, tzinfo=UTC)
 RFC_3339 = re.compile(
@@ -33,4 +35,16 @@ SinceQuery = Annotated[
     Time | None, Query(description="At this time or later, RFC 3339", json_schema_extra=TIME_PATTERN)
 ]
 UntilQuery = Annotated[Time | None, Query(description="Before this time, RFC 3339", json_schema_extra=TIME_PATTERN)]
+
+
+def require_span(since: datetime | None, until: datetime | None) -> None:
+    """Check that a span ends after its start; one without a start or an end does.
+
+    Raises:
+        InvalidField: It does not.
+    """
+    if since is not None and until is not None and since >= until:
+        raise InvalidField([FieldError("since", "a time before `until`", f"got {since.isoformat()}", "query")])
+
+
 EVENT_ID = re.compile(r"[0-9]{20}-[A-Za-z0-9_/-]{1,300}")

@@ -48,6 +48,13 @@ async def read_json(request: Request, *, empty: Any = None, within: float | None
         if empty is None:
             raise InvalidField([FieldError("", "an object, {} for the defaults", "got no body")])
         return empty
+    encoding = request.headers.get("content-encoding", "identity").strip().lower()
+    if encoding not in ("", "identity"):
+        raise MalformedRequest(
+            f"the body is encoded ({encoding[:60]}): send it as it is, without Content-Encoding",
+            code="unsupported_media_type",
+            status=HTTPStatus.UNSUPPORTED_MEDIA_TYPE,
+        )
     content_type = request.headers.get("content-type", JSON_TYPES[0]).partition(";")[0].strip().lower()
     if content_type not in JSON_TYPES and not content_type.endswith("+json"):
         raise MalformedRequest(

@@ -1,16 +1,18 @@
 """A body is what its schema says, and what is wrong in it is said by field, in our words."""
 
-from typing import Any
+from typing import Annotated, Any
 
 import orjson
 import pytest
-from pydantic import BaseModel
+from pydantic import BaseModel, Field
 
 from dock_gateway.access.schema import PasswordBody, TokenBody, UserBody
 from dock_gateway.core.errors import InvalidField
 from dock_gateway.fleet.schema import AcknowledgementBody, LabelBody
 from dock_gateway.goals.schema import NoteBody, TagsBody
 from dock_gateway.http.bodies import Name60, read_fields, read_model
+from dock_gateway.http.queries import EVENT_ID
+from dock_gateway.http.requests import LINE_OF_TEXT
 from dock_gateway.http.schema import RobotSelection, Schema
 from dock_gateway.streams.command_schema import SendGoalCommand, SubscribeCommand
 from tests.support.bodies import expect_refused
@@ -88,3 +90,34 @@ def test_what_is_wrong_in_a_command_is_said_by_field(fields: dict[str, Any], wro
 
 def test_null_is_as_if_a_text_were_left_out() -> None:
     read_fields(SubscribeCommand, {"id": "1", "goal_id": None, "include": None, "max_rate": None, "feedback": None})
+
+
+class Lengths(Schema):
+    """A body with limits."""
+
+    some: Annotated[list[int], Field(min_length=1, max_length=2)] = [1]
+    short: Annotated[str, Field(min_length=2, max_length=3)] = "ab"
+    line: Annotated[str, Field(pattern=f"^{LINE_OF_TEXT.pattern}$")] = "a"
+    after: Annotated[str, Field(pattern=f"^{EVENT_ID.pattern}$")] = f"{1:020}-a"
+    odd: Annotated[str, Field(pattern="^a$")] = "a"
+
+
+@pytest.mark.parametrize(
+    ("body", "expected", "detail"),
+    [
+        ({"some": []}, "at least 1 item", "got []"),
+        ({"some": [1, 2, 3]}, "at most 2 items", "got [1, 2, 3]"),
+        ({"some": None}, "a valid array", "got null"),
+        ({"some": True}, "a valid array", "got true"),
+        ({"short": "a"}, "at least 2 characters", "got 'a'"),
+        ({"short": "abcd"}, "at most 3 characters", "got 'abcd'"),
+        ({"line": "\n"}, "text in one line", "got '\\n'"),
+        ({"after": "x"}, "the id of an event", "got 'x'"),
+        ({"odd": "b"}, "a text of the form that is documented at /docs", "got 'b'"),
+    ],
+)
+def test_what_is_expected_is_said_in_plain_words(body: dict[str, Any], expected: str, detail: str) -> None:
+    with pytest.raises(InvalidField) as refused:
+        read_model(Lengths, body)
+    (error,) = refused.value.extra["errors"]
+    assert (error["expected"], error["detail"]) == (expected, detail)

@@ -1,6 +1,7 @@
 """Bodies: one that is not there means something only where that is documented."""
 
 import codecs
+import gzip
 
 import pytest
 from fastapi import FastAPI, Request
@@ -27,6 +28,14 @@ async def test_an_empty_body_is_refused() -> None:
 async def test_an_empty_body_where_it_has_a_meaning() -> None:
     assert await read_json(request(b""), empty={"order": 1}) == {"order": 1}
     assert await read_json(request(b""), empty={}) == {}
+
+
+async def test_a_compressed_body_is_refused_as_such() -> None:
+    with pytest.raises(MalformedRequest) as refused:
+        await read_json(request(gzip.compress(b"{}"), [(b"content-encoding", b"gzip")]))
+    assert (refused.value.status, refused.value.code) == (415, "unsupported_media_type")
+    assert "gzip" in refused.value.detail
+    assert await read_json(request(b"{}", [(b"content-encoding", b"identity")])) == {}
 
 
 @pytest.mark.parametrize(("body", "value"), [(b"null", None), (b"[]", []), (b"0", 0), (b'""', ""), (b"false", False)])

@@ -16,7 +16,7 @@ from dock_gateway.http.openapi import UNSTABLE, battery_body, body
 from dock_gateway.http.operation import Scope, carries_out, operation
 from dock_gateway.http.parts import AllParts, Part
 from dock_gateway.http.principal import TheGrant, ThePrincipal
-from dock_gateway.http.queries import SinceQuery, UntilQuery
+from dock_gateway.http.queries import SinceQuery, UntilQuery, require_span
 from dock_gateway.http.requests import Answer, RobotQuery, json_response, read_json, read_object
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.operations import battery as operations
@@ -131,9 +131,8 @@ def divide(robot: str, since: datetime, until: datetime, points: int, *, counts_
     Raises:
         InvalidField: The span does not end after its start.
     """
+    require_span(since, until)
     first, last = nanoseconds(since), nanoseconds(until)
-    if first >= last:
-        raise InvalidField([FieldError("since", "a time before `until`", f"got {since.isoformat()}", "query")])
     # One bucket less: the first may begin before the span, and the last may end after it.
     return BatterySpan(robot, first, last, max(MIN_STEP, -((first - last) // (points - 1))), counts_to_100)
 

@@ -19,7 +19,7 @@ from dock_gateway.http.downloads import CSV, FormatQuery, download
 from dock_gateway.http.operation import Audit, Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant
-from dock_gateway.http.queries import SinceQuery, UntilQuery
+from dock_gateway.http.queries import SinceQuery, UntilQuery, require_span
 from dock_gateway.http.requests import GOAL_ID, Answer, AnyRobotQuery, LimitQuery, json_response, read_goal_id
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.http.sheets import rows_of
@@ -56,6 +56,7 @@ async def read_audit_filter(
         InvalidField: A value is invalid.
         NotFound: There is and was no such robot, and no record is about it (`robot_not_found`).
     """
+    require_span(since, until)
     namespace = None if robot is None else read_namespace(robot)
 
     async def has_record(name: str) -> bool:

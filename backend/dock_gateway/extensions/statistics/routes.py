@@ -24,7 +24,7 @@ from dock_gateway.http.openapi import UNSTABLE
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import AllParts, Parts
 from dock_gateway.http.principal import TheGrant
-from dock_gateway.http.queries import EARLIEST
+from dock_gateway.http.queries import EARLIEST, require_span
 from dock_gateway.http.requests import Answer, BelowQuery, json_response
 from dock_gateway.http.route import ApiRoute
 from dock_gateway.storage import GoalFilter, History
@@ -61,8 +61,7 @@ class StatisticsQuery(GoalSelection):
         """
         until = self.until or utc_now()
         since = self.since or max(until - DEFAULT_SPAN, EARLIEST)
-        if since >= until:
-            raise InvalidField([FieldError("since", "a time before `until`", f"got {since.isoformat()}", "query")])
+        require_span(since, until)
         return replace(await super().to_filter(parts, grant), since=since, until=until)
 
 
