@@ -95,7 +95,7 @@ def test_null_is_as_if_a_text_were_left_out() -> None:
 class Lengths(Schema):
     """A body with limits."""
 
-    some: Annotated[list[int], Field(min_length=1, max_length=2)] = [1]
+    some: Annotated[tuple[int, ...], Field(min_length=1, max_length=2)] = (1,)
     short: Annotated[str, Field(min_length=2, max_length=3)] = "ab"
     line: Annotated[str, Field(pattern=f"^{LINE_OF_TEXT.pattern}$")] = "a"
     after: Annotated[str, Field(pattern=f"^{EVENT_ID.pattern}$")] = f"{1:020}-a"
