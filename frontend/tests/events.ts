@@ -75,6 +75,12 @@ export function latched(by: string | null, seconds = 0): StopState {
   return { latched: true, stopped_at: at(seconds), by, robots: ["/"], persisted: true };
 }
 
+/** All robots, as the report of a stop shows them. */
+export function latchedStops(by: string | null): StopReport["stop"] {
+  const stop = latched(by);
+  return { ...stop, for_all: true, stops: [{ robot: "/", stopped_at: stop.stopped_at ?? "", by }] };
+}
+
 export function stopReport(change: Partial<StopReport> = {}): StopReport {
   return {
     stopped: ["/"],
@@ -82,7 +88,7 @@ export function stopReport(change: Partial<StopReport> = {}): StopReport {
     canceling: [],
     failed: [],
     unconfirmed: [],
-    stop: latched("the dashboard"),
+    stop: latchedStops("the dashboard"),
     others: [],
     warning: null,
     ...change,

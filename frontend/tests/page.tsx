@@ -25,7 +25,16 @@ import "../src/pages/robot/RobotSelect";
 import type { Services } from "../src/store/context";
 import { SceneBuffer } from "../src/store/sceneBuffer";
 import { Store } from "../src/store/store";
-import { goal, idlePublisher, latched, released, robot, snapshot, stopReport, undockGoal } from "./events";
+import {
+  goal,
+  idlePublisher,
+  latchedStops,
+  released,
+  robot,
+  snapshot,
+  stopReport,
+  undockGoal,
+} from "./events";
 
 /** All that there are. */
 export const EXTENSIONS: readonly Extension[] = Object.values(listed);
@@ -44,7 +53,7 @@ export function fakeGateway(change: Partial<Gateway> = {}) {
     })),
     undock: vi.fn<Gateway["undock"]>(async () => undockGoal("undocked", { status: "accepted" })),
     cancel: vi.fn<Gateway["cancel"]>(async (id) => goal(id, { status: "canceling" })),
-    stop: vi.fn<Gateway["stop"]>(async (by) => stopReport({ canceling: ["a"], stop: latched(by) })),
+    stop: vi.fn<Gateway["stop"]>(async (by) => stopReport({ canceling: ["a"], stop: latchedStops(by) })),
     release: vi.fn<Gateway["release"]>(async () => released),
     publishOnce: vi.fn<Gateway["publishOnce"]>(async () => {}),
     publishRepeatedly: vi.fn<Gateway["publishRepeatedly"]>(async () => idlePublisher),

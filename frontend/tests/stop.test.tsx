@@ -94,11 +94,13 @@ describe("a warning of the gateway", () => {
     detail: "No space left on device",
     errors: null,
     goal_id: null,
+    running_goal_id: null,
     retry_after: null,
     limit: null,
     use: null,
     role: null,
     robots: null,
+    docks: null,
     settings: null,
     gateway: null,
   };
