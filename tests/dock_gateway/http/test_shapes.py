@@ -7,7 +7,15 @@ import pytest
 
 from tests.support.shapes import check_answer, check_event, noted
 
-STOP = {"latched": False, "stopped_at": None, "by": None, "robots": [], "persisted": True}
+STOP = {
+    "latched": False,
+    "for_all": False,
+    "stopped_at": None,
+    "by": None,
+    "robots": [],
+    "stops": [],
+    "persisted": True,
+}
 PROBLEM = {"type": "about:blank", "title": "No", "status": 404, "code": "goal_not_found", "detail": "no such goal"}
 HEARTBEAT = {"type": "heartbeat", "id": "1", "time": "2026-11-22T09:00:00Z"}
 JSON, PROBLEM_JSON = "application/json", "application/problem+json"

@@ -12,6 +12,7 @@ from dock_gateway.core.request import PERMIT
 from dock_gateway.goals.action_context import ActionContext
 from dock_gateway.goals.delivery import GoalDelivery
 from dock_gateway.goals.docking_hints import DockingHints
+from dock_gateway.goals.docks import Docks
 from dock_gateway.goals.goal_machine import News
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.http.parts import Parts
@@ -59,11 +60,16 @@ async def send(*found: Any) -> Any:
     async def find(*_: object) -> Any:
         return next(picked)
 
+    async def require(*_: object) -> None:
+        """Have every dock."""
+
     actions: Any = SimpleNamespace(find_docking=find)
     hints: Any = SimpleNamespace(hinting=lambda *_: nullcontext())
+    docks: Any = SimpleNamespace(require=require)
     request_permit = permit()
     PERMIT.set(request_permit)
-    await send_goal(Parts({ActionRegistry: actions, DockingHints: hints}), ANYBODY, SendGoal(None, key="key"))
+    parts = Parts({ActionRegistry: actions, DockingHints: hints, Docks: docks})
+    await send_goal(parts, ANYBODY, SendGoal(None, key="key"))
     return request_permit.action
 
 
