@@ -74,7 +74,15 @@ def test_every_way_to_send_a_goal_is_closed_until_the_release(domain: int) -> No
         assert gateway.http.get("/readyz").json()["stop"] == of_robot
 
         assert stop_timed(gateway, by="Bob")[0]["stop"] == state  # the first who stopped it counts
-        released = {"latched": False, "stopped_at": None, "by": None, "robots": [], "persisted": True}
+        released = {
+            "latched": False,
+            "stopped_at": None,
+            "by": None,
+            "robots": [],
+            "persisted": True,
+            "for_all": False,
+            "stops": [],
+        }
         assert gateway.http.delete("/stop").json() | {"persisted": True} == released
         latch.wait_for(lambda message: not message.data)
         gateway.publish(CHARGING)
