@@ -85,9 +85,9 @@ export interface paths {
         };
         /**
          * Get Stop
-         * @description Return whether a stop is latched for a robot; without `robot`, for all robots.
+         * @description Return which robots are stopped: a robot and those below it; without `robot`, all.
          *
-         *     `robots` leaves out those beyond the user's limits.
+         *     `robots` and `stops` leave out those beyond the user's limits.
          */
         get: operations["get_stop"];
         put?: never;
@@ -3125,7 +3125,7 @@ export interface components {
         EventType: "alert.raised" | "alert.cleared" | "test";
         /**
          * ExportedGoal
-         * @description A goal with its events, oldest first; `complete` is false if events are missing.
+         * @description A goal with its events, oldest first; `complete` is that of its history.
          */
         ExportedGoal: {
             /** Goal Id */
@@ -3498,7 +3498,8 @@ export interface components {
          * GoalHistory
          * @description The events of a goal, oldest first.
          *
-         *     `next_after` is null on the last page. `complete` is false if events are missing.
+         *     `next_after` is null on the last page. `complete` is false if events that the gateway has received are not stored
+         *     any more; what it has missed, because it was killed or cut off, it does not know.
          */
         GoalHistory: {
             /** Events */
@@ -3907,6 +3908,30 @@ export interface components {
             display_name: string | null;
             /** Groups */
             groups: string[];
+        };
+        /**
+         * LatchedStops
+         * @description Which of the robots that were asked about are stopped: one and those below it, several, or all.
+         *
+         *     `latched` is true if a stop is latched for any of them, `for_all` only if for all of them, also for those that
+         *     appear later. `stopped_at` and `by` are those of the first stop that is still latched, and `stops` has each robot
+         *     of `robots` with its own.
+         */
+        LatchedStops: {
+            /** Latched */
+            latched: boolean;
+            /** Stopped At */
+            stopped_at: string | null;
+            /** By */
+            by: string | null;
+            /** Robots */
+            robots: string[];
+            /** Persisted */
+            persisted: boolean;
+            /** For All */
+            for_all: boolean;
+            /** Stops */
+            stops: components["schemas"]["StopOfRobot"][];
         };
         /**
          * LiveGoal
@@ -4507,9 +4532,11 @@ export interface components {
          * Problem
          * @description RFC 9457 problem document.
          *
-         *     `errors` lists invalid fields; `goal_id` is the goal that the problem is about. If a robot has no docking server:
-         *     `robots` lists those that have one, and `settings` are lines that join the robot with a docking server. Where a
-         *     setting of the gateway forbids something, `settings` has the line that would allow it.
+         *     `errors` lists invalid fields; `goal_id` is the goal that the problem is about, and
+         *     `running_goal_id` the one that keeps the robot busy. If a robot has no docking server:
+         *     `robots` lists those that have one, and `settings` are lines that join the robot with a docking server. `docks` are
+         *     those that the docking server has. Where a setting of the gateway forbids something, `settings` has the line that
+         *     would allow it.
          *
          *     `gateway` is the one that serves the robot, if this one does not and it is known.
          *
@@ -4540,6 +4567,11 @@ export interface components {
              */
             goal_id: string | null;
             /**
+             * Running Goal Id
+             * @default null
+             */
+            running_goal_id: string | null;
+            /**
              * Retry After
              * @default null
              */
@@ -4561,6 +4593,11 @@ export interface components {
              * @default null
              */
             robots: string[] | null;
+            /**
+             * Docks
+             * @default null
+             */
+            docks: string[] | null;
             /**
              * Settings
              * @default null
@@ -4773,7 +4810,7 @@ export interface components {
             op: "ack";
             /** Id */
             id: string | null;
-            stop: components["schemas"]["StopState"];
+            stop: components["schemas"]["LatchedStops"];
         };
         /**
          * ReleaseStopCommand
@@ -5565,7 +5602,7 @@ export interface components {
             failed: components["schemas"]["StopFailure"][];
             /** Unconfirmed */
             unconfirmed: string[];
-            stop: components["schemas"]["StopState"];
+            stop: components["schemas"]["LatchedStops"];
             /** Others */
             others: components["schemas"]["GatewayAddress"][];
             warning: components["schemas"]["Problem"] | null;
@@ -5636,6 +5673,21 @@ export interface components {
             detail: string;
         };
         /**
+         * StopOfRobot
+         * @description Since when a stop holds a robot, and by whom.
+         */
+        StopOfRobot: {
+            /** Robot */
+            robot: string;
+            /**
+             * Stopped At
+             * Format: date-time
+             */
+            stopped_at: string;
+            /** By */
+            by: string | null;
+        };
+        /**
          * StopProblem
          * @description Zero velocity could not be published to any robot. The other members say what was done nevertheless.
          */
@@ -5661,6 +5713,11 @@ export interface components {
              */
             goal_id: string | null;
             /**
+             * Running Goal Id
+             * @default null
+             */
+            running_goal_id: string | null;
+            /**
              * Retry After
              * @default null
              */
@@ -5682,6 +5739,11 @@ export interface components {
              * @default null
              */
             robots: string[] | null;
+            /**
+             * Docks
+             * @default null
+             */
+            docks: string[] | null;
             /**
              * Settings
              * @default null
@@ -5715,7 +5777,7 @@ export interface components {
              */
             unconfirmed: string[] | null;
             /** @default null */
-            stop: components["schemas"]["StopState"] | null;
+            stop: components["schemas"]["LatchedStops"] | null;
             /**
              * Others
              * @default null
@@ -5760,14 +5822,14 @@ export interface components {
             failed: components["schemas"]["StopFailure"][];
             /** Unconfirmed */
             unconfirmed: string[];
-            stop: components["schemas"]["StopState"];
+            stop: components["schemas"]["LatchedStops"];
             /** Others */
             others: components["schemas"]["GatewayAddress"][];
             warning: components["schemas"]["Problem"] | null;
         };
         /**
          * StopState
-         * @description Whether a stop is latched for a robot, since when and by whom.
+         * @description Whether a stop is latched for one robot, since when and by whom.
          *
          *     `robots` lists the robots at or below it that a stop holds. `persisted` is false if the gateway could not store its
          *     latest stop or release, so that a restart would lose it.
@@ -6966,7 +7028,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["StopState"];
+                    "application/json": components["schemas"]["LatchedStops"];
                 };
             };
             /** @description Unauthorized */
@@ -7120,7 +7182,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["StopState"];
+                    "application/json": components["schemas"]["LatchedStops"];
                 };
             };
             /** @description Unauthorized */
@@ -14377,6 +14439,8 @@ export interface operations {
             header?: {
                 /** @description Entity tags: change it only if its version is one of these; `*`: if it exists */
                 "If-Match"?: string;
+                /** @description `*`: only if there is none yet */
+                "If-None-Match"?: string;
             };
             path?: never;
             cookie?: never;
