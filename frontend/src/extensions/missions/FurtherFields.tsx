@@ -66,6 +66,7 @@ export function MessageFields({ step, kind, errors, set }: FieldsProps & { kind:
       <div className={classes.fields}>
         <TextInput
           label={words.name}
+          description="Its whole name, from / on."
           placeholder={words.placeholder}
           value={step.target}
           error={errorAt(errors, name)}

@@ -12,7 +12,16 @@ import { useMissionCommand } from "./missions";
 import classes from "./missions.module.css";
 import { hasEnded } from "./queue";
 import type { Mission, MissionStatus, Verb } from "./requests";
-import { errorWords, holdOf, missionName, nowWords, STATUSES, stepWords, tookWords } from "./words";
+import {
+  errorWords,
+  holdOf,
+  missionName,
+  nowWords,
+  STATUSES,
+  stepPlace,
+  stepWords,
+  tookWords,
+} from "./words";
 
 export function missionPath({ mission_id }: Pick<Mission, "mission_id">): string {
   return `/ui/missions/${mission_id}`;
@@ -131,9 +140,10 @@ function Situation({ mission, command }: { mission: Mission; command: Command })
   );
 }
 
-function sentenceOfFailure({ steps, step, error }: Mission): string {
+function sentenceOfFailure(mission: Mission): string {
+  const { steps, step, error } = mission;
   const failed = steps[step];
-  const where = failed === undefined ? "" : `Step ${step + 1}, ${stepWords(failed)}: `;
+  const where = failed === undefined ? "" : `${stepPlace(mission)}, ${stepWords(failed)}: `;
   return error === null ? "" : `${where}${where === "" ? errorWords(error) : lower(errorWords(error))}.`;
 }
 
@@ -153,7 +163,7 @@ function Now({ mission }: { mission: Mission }) {
   return (
     <Text size="sm" className="tabular">
       <strong>
-        Step {mission.step + 1} of {mission.steps.length}: {stepWords(step)}
+        {stepPlace(mission)}: {stepWords(step)}
       </strong>
       {words !== "" && `. ${words}`}
       {step.status === "running" && step.started_at !== null && (

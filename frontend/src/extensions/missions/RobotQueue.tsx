@@ -5,7 +5,7 @@ import { MissionBadge, missionPath } from "./MissionCard";
 import classes from "./missions.module.css";
 import { queuesOf } from "./queue";
 import type { Mission } from "./requests";
-import { holdOf, missionName, stepWords } from "./words";
+import { holdOf, missionName, stepPlace, stepWords } from "./words";
 
 /** The mission that a robot is on, and how many wait. */
 export default function RobotQueue({ missions }: { missions: readonly Mission[] }) {
@@ -36,7 +36,7 @@ export default function RobotQueue({ missions }: { missions: readonly Mission[] 
             </Group>
             {step !== undefined && (
               <Text size="sm">
-                Step {active.step + 1} of {active.steps.length}: {stepWords(step)}
+                {stepPlace(active)}: {stepWords(step)}
               </Text>
             )}
             {hold !== null && (

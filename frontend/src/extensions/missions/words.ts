@@ -100,6 +100,14 @@ export function numberOf({ path }: Pick<MissionStep, "path">): string {
   return (path.match(/\d+/g) ?? []).map((each) => Number(each) + 1).join(".");
 }
 
+/** `Step 2 of 3`; `Step 2.1` where steps are inside of others. */
+export function stepPlace({ steps, step }: Pick<Mission, "steps" | "step">): string {
+  const present = steps[step];
+  if (present === undefined || steps.every((each) => depthOf(each) === 0))
+    return `Step ${step + 1} of ${steps.length}`;
+  return `Step ${numberOf(present)}`;
+}
+
 /** `Drive to x 1.2 m, y 3.4 m`, `Drive through 3 places` */
 function navigateWords({ pose, poses }: NonNullable<MissionStep["navigate"]>): string {
   if (pose === null) return `Drive through ${poses?.length ?? 0} places`;

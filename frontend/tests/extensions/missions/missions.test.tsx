@@ -34,6 +34,7 @@ import {
   missionName,
   nowWords,
   numberOf,
+  stepPlace,
   stepWords,
 } from "../../../src/extensions/missions/words";
 import { robot } from "../../events";
@@ -189,6 +190,8 @@ describe("the words", () => {
     expect(stepWords({ ...BLOCK, repeat: { times: 3, round: 0 } })).toBe("Repeat 3 times");
     expect(stepWords({ ...BLOCK, repeat: { times: 1, round: 1 } })).toBe("Once");
     expect(NESTED.map(numberOf)).toEqual(["1", "1.1", "1.1.1", "1.1.2", "1.2", "2"]);
+    expect(stepPlace({ steps: NESTED, step: 3 })).toBe("Step 1.1.2");
+    expect(stepPlace({ steps: NIGHT.steps, step: 1 })).toBe("Step 2 of 3");
     expect(NESTED.map(depthOf)).toEqual([0, 1, 2, 2, 1, 0]);
     expect(missionName({ name: null, steps: NESTED })).toBe("Repeat for ever, round 7, Dock");
     const through: MissionStep = { ...DRIVE, navigate: { pose: null, poses: [PLACE, PLACE] } };
