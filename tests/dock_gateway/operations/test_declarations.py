@@ -66,7 +66,9 @@ def _declarations() -> Iterator[tuple[str, str]]:
 
 @pytest.mark.parametrize("needs", DECLARED)
 def test_an_operation_is_declared_once(needs: str) -> None:
-    assert sorted(where for found, where in declarations() if found == needs) == DECLARED[needs]
+    """Those of the gateway itself: an extension has its own in `operations.txt`, and can be taken out."""
+    found = [where for needed, where in declarations() if needed == needs]
+    assert sorted(where for where in found if not where.startswith("extensions/")) == DECLARED[needs]
 
 
 @pytest.mark.parametrize("name", ["list_robots", "list_actions", "list_alerts"])
