@@ -64,7 +64,7 @@ def test_a_label_is_set_only_where_there_is_none_yet(client: Client) -> None:
     client.put(json=LEFT, headers=only_new)
     refused = client.put(412, json={"display_name": "Right forklift", "groups": []}, headers=only_new)
     assert refused["code"] == "changed_meanwhile"
-    assert client.labels.of("/robot1").display_name == "Left forklift"
+    assert client.labels.get("/robot1").display_name == "Left forklift"
     client.put(json={"display_name": None, "groups": []})
     client.put(json=LEFT, headers=only_new)
 
