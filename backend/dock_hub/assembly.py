@@ -38,16 +38,13 @@ from dock_hub.labels import SiteLabels
 from dock_hub.limits import hub_limits
 from dock_hub.mirror import Mirror
 from dock_hub.overview import Overview
-from dock_hub.schema import GOAL_FIELDS, SitesEvent
+from dock_hub.schema import GOAL_FIELDS, INCLUDES, SitesEvent
 from dock_hub.settings import HubSettings
 from dock_hub.shares import BY_SITE
 from dock_hub.sites import Sites
 from dock_hub.stop_requests import StopEntry
 from dock_hub.stops import Stops
 from dock_hub.store import HubStore
-
-# The types of the events of a gateway's extensions: they can be asked for, and there are no such events.
-INCLUDES = ("automation", "map", "maps", "mission", "path", "scan")
 
 
 class NoLiveGoals:

@@ -1,21 +1,28 @@
 """The JSON shapes of a hub: its sites, and the documents of gateways with names of the hub."""
 
 from datetime import datetime
+from importlib import import_module
 from typing import Literal
 
-from pydantic import ConfigDict
+from pydantic import BaseModel, ConfigDict
 
-from dock_gateway.extensions.recordings.schema import GoalRecording
+from dock_gateway.extension_list import modules_of
 from dock_gateway.fleet.schema import Alert, Robot
 from dock_gateway.goals.approval_schema import Approval
 from dock_gateway.http.schema import Schema
 from dock_gateway.observability.schema import Health, Readiness
+from dock_gateway.streams.includes import type_of
 from dock_gateway.streams.schema import UNASKED, FleetEvent, SnapshotEvent
 from dock_hub.directory import SiteState
 from dock_hub.stop_schema import PendingStop
 
+_OF_EXTENSIONS = [import_module(name) for name in modules_of("schema")]
 # The fields that extensions of a gateway add to goals, and that are null at a hub.
-GOAL_FIELDS = {"recording": GoalRecording}
+GOAL_FIELDS: dict[str, type[BaseModel]] = {}
+for _each in _OF_EXTENSIONS:
+    GOAL_FIELDS |= getattr(_each, "GOAL_FIELDS", {})
+# The types of their events: they can be asked for, and there are no such events.
+INCLUDES = tuple(type_of(event) for each in _OF_EXTENSIONS for event in getattr(each, "EVENTS", ()))
 
 
 class SiteStop(Schema):

@@ -12,8 +12,7 @@ from dock_gateway.extension import extensions
 from dock_gateway.settings import Settings
 from dock_gateway.streams.includes import type_of
 from dock_hub.app import create_hub_app
-from dock_hub.assembly import INCLUDES
-from dock_hub.schema import GOAL_FIELDS
+from dock_hub.schema import GOAL_FIELDS, INCLUDES
 from dock_hub.settings import HubSettings
 from tests.support.compatibility import compare
 

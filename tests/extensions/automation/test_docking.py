@@ -17,11 +17,11 @@ from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.extensions.automation import facts
 from dock_gateway.extensions.automation.activity import Activity
-from dock_gateway.extensions.automation.decision import DecisionEntry, DecisionOutcome, RuleMode
+from dock_gateway.extensions.automation.decision import DecisionEntry, DecisionOutcome, HoldEntry, RuleMode
 from dock_gateway.extensions.automation.decisions import DecisionLog
 from dock_gateway.extensions.automation.docking import AutomaticDocking
 from dock_gateway.extensions.automation.facts import FactReader
-from dock_gateway.extensions.automation.holds import HoldEntry, Holds
+from dock_gateway.extensions.automation.holds import Holds
 from dock_gateway.extensions.automation.rule import BatteryCondition, RuleEntry
 from dock_gateway.extensions.automation.rules import DockingRules
 from dock_gateway.fleet.fleet import Fleet

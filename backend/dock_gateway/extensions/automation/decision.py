@@ -1,4 +1,4 @@
-"""A decision of automatic docking, and why a rule does not dock a robot. A new field is declared here alone."""
+"""A decision of automatic docking, why a rule does not dock a robot, and a hold. A new field is declared here alone."""
 
 from datetime import datetime
 from enum import StrEnum
@@ -75,6 +75,16 @@ class DecisionEntry(DecisionFields):
     """
 
     open: bool
+
+
+class HoldEntry(Schema):
+    """A stop after which rules do not dock a robot by themselves.
+
+    Attributes:
+        held_at: When it was stopped, or its stop was released.
+    """
+
+    held_at: datetime
 
 
 class WaitReason(StrEnum):

@@ -7,16 +7,16 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.tasks import closed_by
 from dock_gateway.extension import Extension
 from dock_gateway.extensions.automation.activity import Activity
-from dock_gateway.extensions.automation.decision import DecisionEntry
+from dock_gateway.extensions.automation.decision import DecisionEntry, HoldEntry
 from dock_gateway.extensions.automation.decisions import DecisionLog
 from dock_gateway.extensions.automation.docking import AutomaticDocking
 from dock_gateway.extensions.automation.error_codes import CODES
 from dock_gateway.extensions.automation.facts import FactReader
-from dock_gateway.extensions.automation.holds import HoldEntry, Holds
+from dock_gateway.extensions.automation.holds import Holds
 from dock_gateway.extensions.automation.routes import router
 from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.extensions.automation.rules import MAX_RULES, DockingRules
-from dock_gateway.extensions.automation.schema import AutomationEvent
+from dock_gateway.extensions.automation.schema import EVENTS
 from dock_gateway.fleet.alert import Alert
 from dock_gateway.fleet.alert_board import AlertBoard
 from dock_gateway.fleet.alert_kinds import AlertKind
@@ -101,7 +101,7 @@ extension = Extension(
     "automation",
     open_automation,
     routes=lambda _: (router,),
-    events=(AutomationEvent,),
+    events=EVENTS,
     alerts=(GAVE_UP,),
     errors=CODES,
 )

@@ -1,24 +1,13 @@
 """Robots that somebody has stopped: no rule docks them until somebody lets the rules go on (ISO 3691-4)."""
 
-from datetime import datetime
 from typing import Any
 
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import Goal, GoalStatus
+from dock_gateway.extensions.automation.decision import HoldEntry
 from dock_gateway.extensions.automation.rules import DockingRules
-from dock_gateway.http.schema import Schema
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.storage.shared_entries import SharedEntries
-
-
-class HoldEntry(Schema):
-    """A stop after which rules do not dock a robot by themselves.
-
-    Attributes:
-        held_at: When it was stopped, or its stop was released.
-    """
-
-    held_at: datetime
 
 
 class Holds:

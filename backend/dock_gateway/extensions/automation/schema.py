@@ -5,8 +5,7 @@ from typing import Literal
 
 from pydantic import ConfigDict
 
-from dock_gateway.extensions.automation.decision import DecisionFields, WaitReason
-from dock_gateway.extensions.automation.holds import HoldEntry
+from dock_gateway.extensions.automation.decision import DecisionFields, HoldEntry, WaitReason
 from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.http.resource import Versioned
 from dock_gateway.http.schema import Identified, Schema
@@ -90,3 +89,7 @@ class AutomationEvent(FleetEvent):
     type: Literal["automation"]
     time: datetime
     automation: Decision
+
+
+# What streams can ask for.
+EVENTS = (AutomationEvent,)

@@ -8,7 +8,7 @@ from dock_gateway.core.tasks import closing
 from dock_gateway.extension import Extension
 from dock_gateway.extensions.maps.error_codes import CODES
 from dock_gateway.extensions.maps.routes import router
-from dock_gateway.extensions.maps.schema import MapEvent, MapsEvent, PathEvent, ScanEvent
+from dock_gateway.extensions.maps.schema import EVENTS
 from dock_gateway.extensions.maps.service import Maps
 from dock_gateway.extensions.maps.settings import MapSettings
 from dock_gateway.graph.cache import GraphCache
@@ -32,6 +32,6 @@ extension = Extension(
     open_maps,
     settings=MapSettings,
     routes=lambda _: (router,),
-    events=(MapEvent, MapsEvent, ScanEvent, PathEvent),
+    events=EVENTS,
     errors=CODES,
 )

@@ -94,3 +94,7 @@ class PathEvent(Schema):
     time: datetime
     robot: str
     path: Points
+
+
+# What streams can ask for.
+EVENTS = (MapEvent, MapsEvent, ScanEvent, PathEvent)

@@ -16,7 +16,7 @@ from dock_gateway.extensions.missions.missions import Missions
 from dock_gateway.extensions.missions.notices import NOTICE
 from dock_gateway.extensions.missions.routes import router
 from dock_gateway.extensions.missions.runner import MissionRunner
-from dock_gateway.extensions.missions.schema import MissionEvent
+from dock_gateway.extensions.missions.schema import EVENTS
 from dock_gateway.fleet.alert_board import AlertBoard
 from dock_gateway.goals.docks import Docks
 from dock_gateway.goals.goals import Goals
@@ -81,7 +81,7 @@ extension = Extension(
     "missions",
     open_missions,
     routes=lambda _: (router,),
-    events=(MissionEvent,),
+    events=EVENTS,
     alerts=(NOTICE,),
     errors=CODES,
 )

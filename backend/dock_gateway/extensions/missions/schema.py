@@ -107,3 +107,7 @@ class MissionEvent(Schema):
     type: Literal["mission"]
     time: datetime
     mission: Mission
+
+
+# What streams can ask for.
+EVENTS = (MissionEvent,)

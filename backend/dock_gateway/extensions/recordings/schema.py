@@ -46,3 +46,7 @@ class GoalReplay(Schema):
     scans: list[ReplayScan]
     velocity: list[ReplayVelocity]
     battery: list[ReplayBattery]
+
+
+# What a goal has more.
+GOAL_FIELDS = {"recording": GoalRecording}
