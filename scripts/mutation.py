@@ -19,7 +19,7 @@ from mutmut.stats import status_by_exit_code
 GOAL = 0.9
 WORK = Path(".mutation")
 # Those of the actions that take milliseconds: the others look at memory and at the clock.
-ACTION_TESTS = ("adoption", "cancellation", "goal_machine", "results", "submission", "submitter", "tracker")
+ACTION_TESTS = ("adoption", "cancellation", "delivery", "goal_machine", "results", "submitter", "tracker")
 DOCKING = (
     "goal/engine",
     "goal/dock",
@@ -36,7 +36,7 @@ AREAS = {
     "actions": (
         [
             f"dock_gateway/goals/{name}.py"
-            for name in ("goal_machine", "adoption", "tracker", "submission", "cancellation")
+            for name in ("goal_machine", "adoption", "tracker", "submitter", "delivery", "cancellation")
         ],
         [f"tests/dock_gateway/goals/test_{name}.py" for name in ACTION_TESTS],
     ),
@@ -48,7 +48,14 @@ AREAS = {
         [f"dock_gateway/extensions/automation/{name}.py" for name in ("policy", "past", "schedule")],
         [f"tests/extensions/automation/test_{name}.py" for name in ("policy", "policy_properties", "schedule")],
     ),
-    "stop": (["dock_gateway/stop/stopper.py"], ["tests/dock_gateway/stop/test_stopper.py"]),
+    "missions": (
+        [f"dock_gateway/extensions/missions/{name}.py" for name in ("progress", "program")],
+        [f"tests/extensions/missions/test_{name}.py" for name in ("progress", "progress_properties", "program")],
+    ),
+    "stop": (
+        [f"dock_gateway/stop/{name}.py" for name in ("stopper", "order")],
+        [f"tests/dock_gateway/stop/test_{name}.py" for name in ("stopper", "order")],
+    ),
     "docking": (
         [f"docking/{name}.py" for name in DOCKING],
         [

@@ -1,4 +1,4 @@
-"""Assembles the gateway: opens its rooms in order and closes them in reverse order."""
+"""Assembles the gateway: opens its features in order and closes them in reverse order."""
 
 import asyncio
 from collections.abc import AsyncIterator

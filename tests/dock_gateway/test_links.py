@@ -30,6 +30,13 @@ def test_every_link_leads_somewhere(page: Path) -> None:
         assert not anchor or target.suffix != ".md" or anchor in anchors(target), link
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_a_table_has_no_gap(page: Path) -> None:
+    """What follows an empty line is no row of the table above."""
+    for table in re.findall(r"(?m)(?:^\|.*\n)+", page.read_text()):
+        assert re.fullmatch(r"\|[-:| ]+\|", ([*table.splitlines(), ""])[1]), table.splitlines()[0]
+
+
 def test_the_index_and_the_navigation_list_every_page_once_in_the_same_order() -> None:
     navigation = str(tomllib.loads((ROOT / "zensical.toml").read_text())["project"]["nav"])
     listed = re.findall(r"'([\w/-]+\.md)'", navigation)

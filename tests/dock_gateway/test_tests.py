@@ -4,6 +4,7 @@ import ast
 from pathlib import Path
 
 import pytest
+from scripts.mutation import AREAS
 
 TESTS = Path(__file__).parents[1]
 
@@ -43,3 +44,12 @@ def test_nothing_imports_a_module_of_tests() -> None:
 def test_each_way_to_import_one_is_noticed(source: str) -> None:
     assert modules_of_tests(source)
     assert not modules_of_tests("from test_msgs.action import Fibonacci")
+
+
+@pytest.mark.parametrize("area", AREAS)
+def test_the_mutated_modules_and_their_tests_are_there(area: str) -> None:
+    modules, tests = AREAS[area]
+    root = TESTS.parent
+    missing = [path for path in (*(f"backend/{module}" for module in modules), *tests) if not (root / path).exists()]
+    assert modules
+    assert missing == []

@@ -102,8 +102,11 @@ class Odometers:
 
     async def _run(self) -> None:
         while True:
-            await self._follow_robots()
-            await self._store()
+            try:
+                await self._follow_robots()
+                await self._store()
+            except Exception:
+                log.exception("while odometers are followed")
             await asyncio.sleep(INTERVAL)
 
     async def _follow_robots(self) -> None:

@@ -111,14 +111,13 @@ class Site:
 
     def gateway(self, sync_every: int = 2) -> DockingRules:
         fleet, activity = cast("Fleet", self.robot), self.activity()
-        rules = DockingRules(fleet, SharedBook(self.rules, "rule", 50), DecisionLog(self.fanout, self.stored))
         robots = SimpleNamespace(owner=lambda _: SimpleNamespace(namespace=ROBOT))
-        self.holds = Holds(cast("RobotRegistry", robots), rules, SharedEntries(self.held))
+        holds = Holds(cast("RobotRegistry", robots), SharedEntries(self.held))
+        rules = DockingRules(fleet, SharedBook(self.rules, "rule", 50), DecisionLog(self.fanout, self.stored), holds)
         gateway = AutomaticDocking(
             rules,
-            FactReader(fleet, activity, held=self.holds.has),
+            FactReader(fleet, activity, held=holds.has),
             activity,
-            self.holds,
             actions=cast("ActionRegistry", self.robot),
             robot_actions=cast("RobotActions", self.robot),
             history=cast("History", self.history),
@@ -154,20 +153,20 @@ async def waits(rules: DockingRules) -> list[str]:
 
 async def test_no_rule_docks_a_robot_that_was_stopped_until_somebody_says_so(site: Site) -> None:
     rules = site.gateway()
-    site.holds.hold(ROBOT)
-    assert not site.holds.has(ROBOT), "no rule is on"
+    rules.on_stop(ROBOT)
+    assert not rules.holds.has(ROBOT), "no rule is on"
     site.robot.stop["latched"] = True
     await rules.replace("low", AT_ONCE)
-    site.holds.hold(ROBOT)
+    rules.on_stop(ROBOT)
     await site.decided()
     site.robot.stop["latched"] = False
-    site.holds.hold(ROBOT)
+    rules.on_stop(ROBOT)
     other = site.gateway()  # or this one, after a restart
-    await until(lambda: site.holds.has(ROBOT))
+    await until(lambda: other.holds.has(ROBOT))
     await asyncio.sleep(0.1)
     assert (await waits(rules), await waits(other)) == (["stopped"], ["stopped"])
     assert site.robot.sent == []
-    await site.holds.end(ROBOT)
+    await rules.holds.end(ROBOT)
     await site.decided(2)
     assert len(site.robot.sent) == 1
 
@@ -180,14 +179,14 @@ async def test_who_has_driven_the_robot_since_has_let_the_rules_go_on(
     rules = site.gateway()
     await rules.replace("low", changed(LOW_BATTERY, mode=RuleMode.DRY_RUN))
     before = Goal("a", f"{ROBOT}/dock", "pkg/action/Dock", utc_now(), origin)
-    site.holds.hold(ROBOT)
+    rules.on_stop(ROBOT)
     after = Goal("b", f"{ROBOT}/dock", "pkg/action/Dock", utc_now(), origin)
     for goal in (before, after):
         goal.advance(status, utc_now())
-    site.holds.on_end(before)
-    assert site.holds.has(ROBOT)
-    site.holds.on_end(after)
-    assert site.holds.has(ROBOT) is (origin == "automation" or status is not GoalStatus.SUCCEEDED)
+    rules.holds.on_end(before)
+    assert rules.holds.has(ROBOT)
+    rules.holds.on_end(after)
+    assert rules.holds.has(ROBOT) is (origin == "automation" or status is not GoalStatus.SUCCEEDED)
 
 
 async def test_no_goal_is_sent_to_a_server_that_robots_share(site: Site) -> None:

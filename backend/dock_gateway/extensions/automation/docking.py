@@ -13,7 +13,6 @@ from dock_gateway.core.tasks import Tasks
 from dock_gateway.extensions.automation.activity import Activity
 from dock_gateway.extensions.automation.decision import DecisionEntry, DecisionOutcome, WaitReason
 from dock_gateway.extensions.automation.facts import FactReader
-from dock_gateway.extensions.automation.holds import Holds
 from dock_gateway.extensions.automation.policy import DockingPolicy, RobotFacts
 from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.extensions.automation.rules import DockingRules
@@ -38,7 +37,6 @@ class AutomaticDocking:
         rules: The rules and their decisions.
         facts: Reads what the rules go by.
         activity: Since when robots stand still.
-        holds: Which of them were stopped.
         actions: All actions.
         robot_actions: Which of them dock each robot.
         history: Finds goals that were sent before a restart.
@@ -51,7 +49,6 @@ class AutomaticDocking:
         rules: DockingRules,
         facts: FactReader,
         activity: Activity,
-        holds: Holds,
         *,
         actions: ActionRegistry,
         robot_actions: RobotActions,
@@ -66,7 +63,7 @@ class AutomaticDocking:
         self._decisions = rules.decisions
         self._facts = facts
         self._activity = activity
-        self._holds = holds
+        self._holds = rules.holds
         self._actions = actions
         self._robot_actions = robot_actions
         self._history = history

@@ -48,18 +48,18 @@ async def open_automation(parts: Parts) -> AsyncIterator[DockingRules]:
         )
         decisions = DecisionLog(parts[Fanout], history.documents("decision", DecisionEntry))
         stack.enter_context(parts[AlertBoard].sources.adding(lambda: gave_up(decisions, robots.namespaces())))
-        rules = DockingRules(fleet, SharedBook(history.documents("rule", RuleEntry), "rule", MAX_RULES), decisions)
-        holds = parts.add(Holds, Holds(robots, rules, SharedEntries(history.documents("hold", HoldEntry))))
+        holds = Holds(robots, SharedEntries(history.documents("hold", HoldEntry)))
+        book = SharedBook(history.documents("rule", RuleEntry), "rule", MAX_RULES)
+        rules = DockingRules(fleet, book, decisions, holds)
         for on_end in (activity.on_end, holds.on_end):
             stack.enter_context(actions.on_end.adding(on_end))
-        for on_stop in (activity.active, holds.hold):
+        for on_stop in (activity.active, rules.on_stop):
             stack.enter_context(parts[Stopper].on_stop.adding(on_stop))
             stack.enter_context(parts[Interlock].on_release.adding(on_stop))
         docking = AutomaticDocking(
             rules,
             FactReader(fleet, activity, lambda: graph_watch.shared, robots.is_at_work, holds.has),
             activity,
-            holds,
             actions=actions,
             robot_actions=parts[RobotActions],
             history=history,

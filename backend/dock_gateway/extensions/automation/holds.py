@@ -5,7 +5,6 @@ from typing import Any
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.extensions.automation.decision import HoldEntry
-from dock_gateway.extensions.automation.rules import DockingRules
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.storage.shared_entries import SharedEntries
 
@@ -18,13 +17,11 @@ class Holds:
 
     Args:
         robots: The robots.
-        rules: The rules: without one that is on, no robot is held.
         entries: Stores the holds.
     """
 
-    def __init__(self, robots: RobotRegistry, rules: DockingRules, entries: SharedEntries[HoldEntry]) -> None:
+    def __init__(self, robots: RobotRegistry, entries: SharedEntries[HoldEntry]) -> None:
         self._robots = robots
-        self._rules = rules
         self._entries = entries
 
     def has(self, robot: str) -> bool:
@@ -37,8 +34,7 @@ class Holds:
 
     def hold(self, robot: str) -> None:
         """Hold a robot that is stopped, or whose stop is released."""
-        if self._rules.any_on:
-            self._entries.put(robot, HoldEntry(held_at=utc_now()))
+        self._entries.put(robot, HoldEntry(held_at=utc_now()))
 
     def on_end(self, goal: Goal) -> None:
         """Let the rules go on with a robot that somebody has driven since."""

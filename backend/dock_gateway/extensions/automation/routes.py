@@ -7,7 +7,6 @@ from starlette.responses import Response
 
 from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
-from dock_gateway.extensions.automation.holds import Holds
 from dock_gateway.extensions.automation.rule import RuleBody
 from dock_gateway.extensions.automation.rules import DockingRules
 from dock_gateway.extensions.automation.schema import DecisionList, HoldList, Rule, RuleList
@@ -110,14 +109,14 @@ async def list_decisions(
 
 @router.get("/holds")
 @operation(Role.VIEWER, Scope.LISTED)
-async def list_holds(holds: Part[Holds], grant: TheGrant) -> Answer[HoldList]:
+async def list_holds(rules: Part[DockingRules], grant: TheGrant) -> Answer[HoldList]:
     """List the robots that were stopped while a rule was on: no rule docks them until they are released from here."""
-    return json_response({"holds": [hold for hold in holds.documents() if grant.covers_robot(hold["robot"])]})
+    return json_response({"holds": [hold for hold in rules.holds.documents() if grant.covers_robot(hold["robot"])]})
 
 
 @router.delete("/holds", status_code=204)
 @operation(Role.SUPERVISOR, Scope.ROBOT, errors=(404,))
-async def end_hold(holds: Part[Holds], robots: Part[RobotRegistry], robot: RobotQuery = None) -> Response:
+async def end_hold(rules: Part[DockingRules], robots: Part[RobotRegistry], robot: RobotQuery = None) -> Response:
     """Let the rules go on with a robot that was stopped; also if none is held. A stop has to be released before."""
-    await holds.end(robots.find(robot))
+    await rules.holds.end(robots.find(robot))
     return Response(status_code=204)

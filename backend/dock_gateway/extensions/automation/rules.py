@@ -8,6 +8,7 @@ from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.versions import UNCONDITIONAL, Condition
 from dock_gateway.extensions.automation.decision import RuleMode, WaitReason
 from dock_gateway.extensions.automation.decisions import DecisionLog
+from dock_gateway.extensions.automation.holds import Holds
 from dock_gateway.extensions.automation.past import Key
 from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.fleet.fleet import Fleet
@@ -26,21 +27,28 @@ class DockingRules:
         fleet: The state of the robots.
         book: Stores the rules.
         decisions: The decisions.
+        holds: The robots that were stopped.
 
     Attributes:
         waits: Why rules do not dock robots now; `AutomaticDocking` sets it.
     """
 
-    def __init__(self, fleet: Fleet, book: SharedBook[RuleEntry], decisions: DecisionLog) -> None:
+    def __init__(self, fleet: Fleet, book: SharedBook[RuleEntry], decisions: DecisionLog, holds: Holds) -> None:
         self._fleet = fleet
         self.book = book
         self.decisions = decisions
+        self.holds = holds
         self.waits: dict[Key, WaitReason] = {}
 
     @property
     def any_on(self) -> bool:
         """Whether a rule is not off."""
         return any(rule.mode is not RuleMode.OFF for rule in self.book.all().values())
+
+    def on_stop(self, robot: str) -> None:
+        """Hold a robot that is stopped, or whose stop is released, if there is a rule that could dock it."""
+        if self.any_on:
+            self.holds.hold(robot)
 
     async def documents(self, grant: Grant = UNLIMITED) -> list[dict[str, Any]]:
         """Return the rules as `GET /automation/rules` shows them, by name.

@@ -198,7 +198,9 @@ class MissionBook(SharedEntries[MissionEntry]):
         Raises:
             Unavailable: The history does not answer (`history_unavailable`).
         """
-        missions = await self._all()
+        # Those that have ended are many, and read from the database only where they are asked for.
+        with_ended = not statuses or any(status.ended for status in statuses)
+        missions = await self._all() if with_ended else await self.read()
         found = (
             Cursor(mission.created_at, mission_id)
             for mission_id, mission in missions.items()

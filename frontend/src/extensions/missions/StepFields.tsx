@@ -8,7 +8,7 @@ import {
   Text,
   TextInput,
 } from "@mantine/core";
-import { useCallback, useMemo, useRef, useState } from "react";
+import { useCallback, useMemo, useState } from "react";
 import { useActions, useSchemas } from "../../actions/actions";
 import { DraftFields, ModeSwitch } from "../../actions/DraftFields";
 import { type Draft as GoalDraft, spaced } from "../../actions/form/draft";
@@ -17,6 +17,7 @@ import { startingMessage, useDraftOf } from "../../actions/useDraft";
 import { useFleet, useFleetPart, useNaming } from "../../fleet/context";
 import { CommandErrorAlert } from "../../ui/errors";
 import { useAnswer } from "../../ui/requests";
+import { useLatest } from "../../ui/useLatest";
 import {
   errorAt,
   goalOf,
@@ -163,8 +164,7 @@ function ActionGoal({ step, type, onChange }: { step: StepDraft; type: string; o
 }
 
 function GoalFields({ step, shape, onChange }: { step: StepDraft; shape: MessageShape; onChange: Edit }) {
-  const edit = useRef(onChange);
-  edit.current = onChange;
+  const edit = useLatest(onChange);
   const update = useCallback(
     (change: (before: GoalDraft) => GoalDraft) =>
       edit.current((before) => withGoal(before, shape, change(goalOf(before, shape)))),
