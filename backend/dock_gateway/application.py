@@ -14,7 +14,6 @@ from dock_gateway import __version__
 from dock_gateway.access.authorization import authorize
 from dock_gateway.audit.trail import AuditTrail
 from dock_gateway.core.error_codes import CORE, ErrorCode
-from dock_gateway.http.asking import ask_for_own
 from dock_gateway.http.dashboard import install_dashboard
 from dock_gateway.http.docs import install_docs
 from dock_gateway.http.methods import AllowedMethods, HeadAsGet, allowed_methods
@@ -23,6 +22,7 @@ from dock_gateway.http.operation import require_declared, require_distinct
 from dock_gateway.http.origin import OriginGuard
 from dock_gateway.http.parts import Parts
 from dock_gateway.http.problems import install_problems
+from dock_gateway.http.router_prefix import match_own_prefix
 from dock_gateway.http.schema import Problem
 from dock_gateway.http.upgrades import install_upgrades
 from dock_gateway.observability.request_meter import RequestMeter
@@ -113,7 +113,7 @@ def _add_routes(app: FastAPI, routers: Sequence[APIRouter]) -> list[BaseRoute]:
         before = len(app.router.routes)
         app.include_router(router, dependencies=[Depends(authorize)])
         for included in app.router.routes[before:]:
-            ask_for_own(included, [getattr(route, "path", "") for route in router.routes])
+            match_own_prefix(included, [getattr(route, "path", "") for route in router.routes])
     return routes
 
 

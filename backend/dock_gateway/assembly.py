@@ -40,9 +40,9 @@ from dock_gateway.settings import Settings
 from dock_gateway.stop.opening import open_stop
 from dock_gateway.stop.stop_of_all import StopOfAll
 from dock_gateway.storage import History, open_history
-from dock_gateway.streams.gateway_present import GatewayPresent
+from dock_gateway.streams.current_state import CurrentState
+from dock_gateway.streams.gateway_state import GatewayState
 from dock_gateway.streams.includes import Includes
-from dock_gateway.streams.present import Present
 
 
 @asynccontextmanager
@@ -68,7 +68,7 @@ async def open_gateway(settings: Settings, installed: Installed, limits: GoalLim
         open_fleet(parts, stack)
         await open_access(parts, stack)
         parts.add(Subjects, Subjects(settings, parts[ActionRegistry].action_of, parts[RobotRegistry].namespaces))
-        parts.add(Present, GatewayPresent(parts))
+        parts.add(CurrentState, GatewayState(parts))
         parts.add(FurtherWays, FurtherWays())
         await _open_extensions(parts, stack)
         await _begin(parts, stack)

@@ -31,8 +31,8 @@ from dock_gateway.sites.identity import Signer
 from dock_gateway.sites.subjects import HUB, inbox
 from dock_gateway.sites.tunnel.caller import Caller
 from dock_gateway.storage import History, open_history
+from dock_gateway.streams.current_state import CurrentState
 from dock_gateway.streams.includes import Includes
-from dock_gateway.streams.present import Present
 from dock_hub.collector import HubCollector
 from dock_hub.labels import SiteLabels
 from dock_hub.limits import hub_limits
@@ -130,7 +130,7 @@ def _open_overview(settings: HubSettings, parts: Parts, stack: AsyncExitStack) -
     parts.add(Robots, overview)
     parts.add(KnownRobots, KnownRobots(settings, overview, labels, robot_actions, history))
     parts.add(Alerts, overview)
-    parts.add(Present, overview)
+    parts.add(CurrentState, overview)
 
 
 async def _open_extensions(parts: Parts, stack: AsyncExitStack) -> None:

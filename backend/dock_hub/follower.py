@@ -26,7 +26,7 @@ from dock_hub.reading import Reading, id_before, read_event_id
 from dock_hub.renaming import read_alerts, read_approvals, read_names, read_robots
 from dock_hub.site_client import Conversation, SiteClient
 from dock_hub.site_view import SiteView
-from dock_hub.store import News
+from dock_hub.store import SiteReports
 
 log = logging.getLogger(__name__)
 
@@ -49,7 +49,7 @@ MEASURE_INTERVAL = 15.0
 class Keeper(Protocol):
     """Stores what a site reports."""
 
-    async def keep(self, news: News) -> None:
+    async def keep(self, news: SiteReports) -> None:
         """Store it."""
 
 
@@ -73,7 +73,7 @@ class Follower:
         self._mirror = mirror
         self._goals: dict[str, Goal] = {}
         self._bytes = 0  # of the messages of those goals
-        self._news = News(self._site)
+        self._news = SiteReports(self._site)
         self._more, self._less = asyncio.Event(), asyncio.Event()
         view.behind = True
         self._task = asyncio.create_task(self._run())
@@ -111,7 +111,7 @@ class Follower:
 
     async def _follow(self) -> None:
         cursor = self._view.cursor = await self._mirror.cursor(self._site)
-        self._news = News(self._site)
+        self._news = SiteReports(self._site)
         self._goals.clear()
         self._bytes = 0
         async with self._client.events(cursor) as conversation:
@@ -149,7 +149,7 @@ class Follower:
         while True:
             await self._more.wait()
             self._more.clear()
-            news, self._news = self._news, News(self._site)
+            news, self._news = self._news, SiteReports(self._site)
             self._less.set()
             if news:
                 await self._keeper.keep(news)

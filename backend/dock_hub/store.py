@@ -30,7 +30,7 @@ MAX_TOGETHER = 100
 
 
 @dataclass
-class News:
+class SiteReports:
     """The reports of a site, in their order.
 
     Attributes:
@@ -47,11 +47,13 @@ class News:
     cursor: str | None = None
     size: int = 0
 
-    def parts(self) -> Iterator["News"]:
+    def parts(self) -> Iterator["SiteReports"]:
         """Yield it goal by goal, and last the cursor."""
         for goal_id, goal in self.goals.items():
-            yield News(self.site, {goal_id: goal}, [each for each in self.happenings if each.goal.goal_id == goal_id])
-        yield News(self.site, cursor=self.cursor)
+            yield SiteReports(
+                self.site, {goal_id: goal}, [each for each in self.happenings if each.goal.goal_id == goal_id]
+            )
+        yield SiteReports(self.site, cursor=self.cursor)
 
     def __bool__(self) -> bool:
         return bool(self.goals or self.happenings or self.cursor)
@@ -71,11 +73,11 @@ class HubStore:
     def __init__(self, mirror: Mirror, fanout: Fanout) -> None:
         self.mirror = mirror
         self._fanout = fanout
-        self._waiting: asyncio.Queue[tuple[News, asyncio.Future[None]]] = asyncio.Queue()
+        self._waiting: asyncio.Queue[tuple[SiteReports, asyncio.Future[None]]] = asyncio.Queue()
         self._tasks = Tasks("storing the news of sites")
         self._tasks.spawn(self._run())
 
-    async def keep(self, news: News) -> None:
+    async def keep(self, news: SiteReports) -> None:
         """Store the news of a site and publish its events that are new. Waits for a database that is away.
 
         Raises:
@@ -103,7 +105,7 @@ class HubStore:
                 for _, done in together:
                     _settle(done)
 
-    async def _keep_alone(self, news: News, done: "asyncio.Future[None]") -> None:
+    async def _keep_alone(self, news: SiteReports, done: "asyncio.Future[None]") -> None:
         try:
             await self._keep([news])
         except RefusedError as error:
@@ -115,13 +117,13 @@ class HubStore:
         else:
             _settle(done)
 
-    async def _keep_the_rest(self, news: News) -> None:
+    async def _keep_the_rest(self, news: SiteReports) -> None:
         """Keep what can be kept, goal by goal, and then the cursor: else the site would send it again and again."""
         for part in news.parts():
             with contextlib.suppress(RefusedError):
                 await self._keep([part])
 
-    async def _keep(self, every: Sequence[News]) -> None:
+    async def _keep(self, every: Sequence[SiteReports]) -> None:
         batch: MirrorBatch | None = None
         while True:
             try:
@@ -137,7 +139,7 @@ class HubStore:
             if event.id in new:
                 self._fanout.publish(event)
 
-    async def _prepare(self, every: Sequence[News]) -> MirrorBatch:
+    async def _prepare(self, every: Sequence[SiteReports]) -> MirrorBatch:
         """Give ids to the events that are new. It is done once: what is written again has the same ids."""
         now = utc_now()
         happened: dict[str, Happening] = {}

@@ -31,7 +31,7 @@ from dock_hub.goal_documents import Happening, ends_of, read_goal
 from dock_hub.mirror import Mirror
 from dock_hub.shares import BY_SITE, fair_share, sizes_of_sites
 from dock_hub.site_view import MAX_BYTES, SiteView
-from dock_hub.store import HubStore, News
+from dock_hub.store import HubStore, SiteReports
 from tests.dock_hub.documents import ROBOT, decoded
 from tests.dock_hub.followed_site import FakeSite, snapshot, told
 from tests.support.history import open_at
@@ -50,9 +50,9 @@ def honest_goal(goal_id: str) -> Goal:
     return goal
 
 
-def honest_news() -> News:
+def honest_news() -> SiteReports:
     goals = {goal_id: honest_goal(goal_id) for goal_id in HONEST}
-    return News("berlin", goals, [end for goal in goals.values() for end in ends_of(goal)], "0-z-1")
+    return SiteReports("berlin", goals, [end for goal in goals.values() for end in ends_of(goal)], "0-z-1")
 
 
 @asynccontextmanager
@@ -95,8 +95,8 @@ goals = st.fixed_dictionaries(
 )  # fmt: skip
 
 
-def hostile_news(site: str, documents: list[dict[str, Any]], *, tell: bool) -> News:
-    news = News(site, cursor="99999999999999999999-z-x")
+def hostile_news(site: str, documents: list[dict[str, Any]], *, tell: bool) -> SiteReports:
+    news = SiteReports(site, cursor="99999999999999999999-z-x")
     for document in documents:
         sized = {
             name: {"x": "y" * size} if isinstance(size := document[name], int) else size
@@ -174,7 +174,7 @@ async def test_goals_that_never_end_go_too_when_a_site_has_nothing_else(database
                 Goal(str(UUID(int=2000 + start + number)), "/evil/dock", "t", NOW, status=GoalStatus.EXECUTING)
                 for number in range(200)
             ]
-            await store.keep(News("evil", {goal.goal_id: goal for goal in goals}, cursor="9-z-9"))
+            await store.keep(SiteReports("evil", {goal.goal_id: goal for goal in goals}, cursor="9-z-9"))
         for _ in range(3):
             await history.retention.enforce()
         assert await of_honest(history) == before
@@ -201,7 +201,7 @@ async def test_a_site_that_tells_without_end_does_not_hold_up_another(
         for number in range(20):
             goal = honest_goal(str(UUID(int=5000 + number)))
             began = asyncio.get_running_loop().time()
-            await store.keep(News("berlin", {goal.goal_id: goal}, ends_of(goal), f"0-z-{number}"))
+            await store.keep(SiteReports("berlin", {goal.goal_id: goal}, ends_of(goal), f"0-z-{number}"))
             kept = max(kept, asyncio.get_running_loop().time() - began)
         assert kept < 5
         assert evil.kept_bytes <= 2 * (follower.MAX_GOAL_BYTES + len(text))

@@ -16,7 +16,7 @@ from dock_gateway.storage import History
 from dock_hub.fields import ForeignDocumentError
 from dock_hub.goal_documents import Happening, ends_of
 from dock_hub.mirror import Mirror, MirrorBatch
-from dock_hub.store import HubStore, News
+from dock_hub.store import HubStore, SiteReports
 from tests.support.history import open_at
 from tests.support.waiting import until
 
@@ -30,13 +30,13 @@ def make_goal(goal_id: str = FIRST, status: GoalStatus = GoalStatus.EXECUTING, a
     return goal
 
 
-def running(goal: Goal) -> News:
-    return News("berlin", {goal.goal_id: goal}, [Happening("status", goal, AT)], "0-s-1")
+def running(goal: Goal) -> SiteReports:
+    return SiteReports("berlin", {goal.goal_id: goal}, [Happening("status", goal, AT)], "0-s-1")
 
 
-def ended(goal_id: str = FIRST, cursor: str = "0-z-1") -> News:
+def ended(goal_id: str = FIRST, cursor: str = "0-z-1") -> SiteReports:
     goal = make_goal(goal_id, GoalStatus.SUCCEEDED)
-    return News("berlin", {goal_id: goal}, ends_of(goal), cursor)
+    return SiteReports("berlin", {goal_id: goal}, ends_of(goal), cursor)
 
 
 @asynccontextmanager
@@ -75,7 +75,7 @@ async def test_a_goal_of_another_site_is_refused_and_the_others_are_kept(databas
         forged = make_goal(status=GoalStatus.ABORTED, action="/oslo/dock")
         own = make_goal(THIRD, GoalStatus.SUCCEEDED, action="/oslo/dock")
         with pytest.raises(ForeignDocumentError):
-            await store.keep(News("oslo", {FIRST: forged, THIRD: own}, ends_of(forged) + ends_of(own), "0-z-9"))
+            await store.keep(SiteReports("oslo", {FIRST: forged, THIRD: own}, ends_of(forged) + ends_of(own), "0-z-9"))
         await store.keep(ended(SECOND))
         assert {event.goal_id for event in told} == {FIRST, SECOND, THIRD}
         assert (await history.known([FIRST]))[FIRST].action_name == "/berlin/dock"

@@ -13,7 +13,7 @@ from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.core.tasks import PendingFacts
-from dock_gateway.goals.goal_machine import GoalMachine, News
+from dock_gateway.goals.goal_machine import GoalChange, GoalMachine
 from dock_gateway.goals.limits import GoalLimits
 from dock_gateway.goals.tracker import BeforeLost, GoalTracker
 from dock_gateway.ros.status import StatusReport
@@ -39,7 +39,7 @@ class Scene:
         self.tracker = GoalTracker(
             port, self.fanout, self.history, self.reasons, before_lost=self.before_lost, limits=limits
         )
-        self.tracker.on[News.RETURNED].append(self.returned.append)
+        self.tracker.on[GoalChange.RETURNED].append(self.returned.append)
         self.subscriber: Subscriber = self.fanout.subscribe(EventFilter())
         self.stamp = 0
 

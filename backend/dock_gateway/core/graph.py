@@ -97,7 +97,7 @@ class Service:
 
 
 @dataclass
-class Seen:
+class GraphScan:
     """One scan of the graph: the number of nodes of each name, the topics and the services."""
 
     nodes: dict[str, int] = field(default_factory=dict)
@@ -147,7 +147,7 @@ def is_noise(name: str, types: Iterable[str]) -> bool:
     return is_hidden(name) or (bool(types) and all(text.startswith(OWN_TYPES) for text in types))
 
 
-def graph_document(seen: Seen) -> dict[str, Any]:
+def graph_document(seen: GraphScan) -> dict[str, Any]:
     """Return the graph as the API shows it. The same graph gives the same document.
 
     The topics and services of an action are shown as one action. As in rcl, its servers are the nodes that publish its
@@ -190,7 +190,7 @@ def graph_document(seen: Seen) -> dict[str, Any]:
     }
 
 
-def narrow_graph(seen: Seen, grant: Grant) -> Seen:
+def narrow_graph(seen: GraphScan, grant: Grant) -> GraphScan:
     """Return what a grant includes of a graph.
 
     The other nodes that use it are seen only as users of it.
@@ -204,14 +204,14 @@ def narrow_graph(seen: Seen, grant: Grant) -> Seen:
         action, of_action, _ = name.partition(ACTION_PART)
         return grant.covers_action(action) if of_action else grant.covers_place(name)
 
-    return Seen(
+    return GraphScan(
         nodes={name: count for name, count in seen.nodes.items() if grant.covers_place(name)},
         topics={name: topic for name, topic in seen.topics.items() if covers(name)},
         services={name: service for name, service in seen.services.items() if covers_service(name)},
     )
 
 
-def _find_actions(seen: Seen) -> dict[str, _Action]:
+def _find_actions(seen: GraphScan) -> dict[str, _Action]:
     actions: dict[str, _Action] = defaultdict(_Action)
     for topic in seen.topics.values():
         name, separator, part = topic.name.partition(ACTION_PART)

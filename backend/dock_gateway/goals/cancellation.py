@@ -13,7 +13,7 @@ import logging
 from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, Unavailable
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.core.request import act
-from dock_gateway.goals.goal_machine import GoalMachine, News
+from dock_gateway.goals.goal_machine import GoalChange, GoalMachine
 from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.latch.interlock import Interlock
@@ -58,10 +58,10 @@ class Canceler:
         self._interlock = interlock
         self.unwanted = tracker.unwanted
         self.retrying: set[str] = set()
-        for news in (News.SEEN, News.RETURNED):
+        for news in (GoalChange.SEEN, GoalChange.RETURNED):
             tracker.on[news].append(self.seen_again)
-        tracker.on[News.RESUMED].append(self._resume)
-        tracker.on[News.RETIRED].append(self._forget)
+        tracker.on[GoalChange.RESUMED].append(self._resume)
+        tracker.on[GoalChange.RETIRED].append(self._forget)
 
     async def cancel(self, goal: Goal) -> None:
         """Ask the server to cancel a goal. If the server cannot be reached, the goal stays unwanted.

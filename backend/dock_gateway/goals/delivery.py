@@ -14,7 +14,7 @@ from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Origin
 from dock_gateway.core.request import act, slot
 from dock_gateway.goals.action_context import ActionContext
 from dock_gateway.goals.cancellation import TOO_LATE, Canceler
-from dock_gateway.goals.goal_machine import GoalMachine, News
+from dock_gateway.goals.goal_machine import GoalChange, GoalMachine
 from dock_gateway.goals.liveness import ServerWatch
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.ros.bridge import PendingCall
@@ -53,7 +53,7 @@ class GoalDelivery:
         self._canceler = canceler
         self.stops = 0
         self.unanswered: dict[str, PendingCall] = {}
-        tracker.on[News.RETIRED].append(self._forget)
+        tracker.on[GoalChange.RETIRED].append(self._forget)
         self._tasks: set[asyncio.Task[Goal]] = set()
 
     def stop(self) -> None:

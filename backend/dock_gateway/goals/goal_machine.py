@@ -25,7 +25,7 @@ log = logging.getLogger(__name__)
 MakeEvent = Callable[[Goal, int, int], Event]
 
 
-class News(Enum):
+class GoalChange(Enum):
     """A change of a goal that other parts of the gateway react to.
 
     `SENT`: this process sends it. `SEEN`: it runs, which was not known so far. `RESUMED`: it is tracked again, as the
@@ -77,7 +77,7 @@ class PublishEnd:
 class Notify:
     """Notify the parts that deal with goals."""
 
-    news: News
+    news: GoalChange
     goal: Goal
 
 
@@ -237,7 +237,7 @@ class GoalMachine:
             self.move(now, goal, GoalStatus.PENDING)
         else:
             self._publish(status_event, goal, nanoseconds(goal.created_at))  # before any message from the server
-        self.outputs.append(Notify(News.SENT, goal))
+        self.outputs.append(Notify(GoalChange.SENT, goal))
 
     def take_up(self, now: Now, goal: Goal) -> None:
         """Resume tracking a goal that was running according to the history."""
@@ -273,7 +273,7 @@ class GoalMachine:
             take(now, goal)
         self.outputs.append(AwaitResult(goal))
         if runs and (goal.status is before or before is not GoalStatus.PENDING):
-            self.outputs.append(Notify(News.SEEN, goal))
+            self.outputs.append(Notify(GoalChange.SEEN, goal))
 
     def _track(self, goal: Goal) -> None:
         log.info(
@@ -303,10 +303,10 @@ class GoalMachine:
         self._publish(status_event, goal, stamp_ns or now.ns)
         self.outputs.append(Store(goal))
         if before is GoalStatus.PENDING:
-            self.outputs.append(Notify(News.SEEN, goal))
+            self.outputs.append(Notify(GoalChange.SEEN, goal))
         elif before is GoalStatus.LOST:
             log.info("goal %s is no longer lost", goal.goal_id, extra=_about(goal))
-            self.outputs.append(Notify(News.RETURNED, goal))
+            self.outputs.append(Notify(GoalChange.RETURNED, goal))
 
     def stall(self, now: Now, goal: Goal, *, stalled: bool) -> None:
         """Set or clear a goal's `stalled` flag."""
@@ -326,7 +326,7 @@ class GoalMachine:
             return
         log.warning("goal %s is lost: %s", goal.goal_id, error.detail, extra=_about(goal))
         self._publish(status_event, goal, now.ns)
-        self.outputs += [Store(goal), Notify(News.LOST, goal)]
+        self.outputs += [Store(goal), Notify(GoalChange.LOST, goal)]
         lost = [other for other in self.live.values() if other.status is GoalStatus.LOST]
         for oldest in lost[: -self._limits.lost]:
             self._retire(oldest)
@@ -371,7 +371,7 @@ class GoalMachine:
         self.live.pop(goal.goal_id, None)
         self.taken_up.discard(goal.goal_id)
         self._heard_at.pop(goal.goal_id, None)
-        self.outputs.append(Notify(News.RETIRED, goal))
+        self.outputs.append(Notify(GoalChange.RETIRED, goal))
 
     def _note_ended(self, goal_id: str) -> None:
         self._ended[goal_id] = None

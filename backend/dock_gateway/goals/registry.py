@@ -21,7 +21,7 @@ from dock_gateway.goals.action import FORGET_AFTER, Action
 from dock_gateway.goals.action_context import ActionContext, BeforeSend
 from dock_gateway.goals.action_document import Uninstalled
 from dock_gateway.goals.expected_goals import ExpectedGoals
-from dock_gateway.goals.goal_machine import GoalMachine, News
+from dock_gateway.goals.goal_machine import GoalChange, GoalMachine
 from dock_gateway.goals.goal_publisher import GoalPublisher
 from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.liveness import ServerState
@@ -175,10 +175,10 @@ class ActionRegistry:
             ping_idle=name in self._pinned or robot == self._configured_namespace,
         )
         for news, listeners in (
-            (News.SENT, self.on_sent),
-            (News.CHANGED, self.on_change),
-            (News.RETIRED, self.on_end),
-            (News.LOST, self.on_lost),
+            (GoalChange.SENT, self.on_sent),
+            (GoalChange.CHANGED, self.on_change),
+            (GoalChange.RETIRED, self.on_end),
+            (GoalChange.LOST, self.on_lost),
         ):
             action.tracker.on[news].append(listeners)
         self._actions[name] = action

@@ -20,7 +20,15 @@ from dock_gateway.core.goal import Goal, GoalError, Json, Origin, ResultAnswer
 from dock_gateway.core.listeners import Listeners
 from dock_gateway.core.tasks import PendingFacts, Tasks
 from dock_gateway.goals.adoption import REQUEST_PAUSE, REQUESTS_AT_ONCE
-from dock_gateway.goals.goal_machine import AwaitResult, GoalMachine, News, Notify, PublishEnd, PublishEvent, Store
+from dock_gateway.goals.goal_machine import (
+    AwaitResult,
+    GoalChange,
+    GoalMachine,
+    Notify,
+    PublishEnd,
+    PublishEvent,
+    Store,
+)
 from dock_gateway.goals.goal_publisher import GoalPublisher
 from dock_gateway.goals.limits import LIMITS, GoalLimits
 from dock_gateway.goals.results import Results
@@ -83,9 +91,9 @@ class GoalTracker:
         self.port = port
         self.tasks = Tasks("tracking goals")
         self._results = Results(port, reasons, self.heard, self._settle, remark, limits=limits)
-        self.on = {news: Listeners[[Goal]](f"{news.name.lower()}, of a goal") for news in News}
-        self.on[News.LOST].append(self._release)
-        self.on[News.RETIRED].append(self._results.retire)
+        self.on = {news: Listeners[[Goal]](f"{news.name.lower()}, of a goal") for news in GoalChange}
+        self.on[GoalChange.LOST].append(self._release)
+        self.on[GoalChange.RETIRED].append(self._results.retire)
         self._before_lost = before_lost
         self._fanout = fanout
         self._history = history
@@ -137,7 +145,7 @@ class GoalTracker:
 
     def take_up(self, goal: Goal) -> None:
         """Resume tracking a goal that was running according to the history."""
-        self.on[News.RESUMED](goal)
+        self.on[GoalChange.RESUMED](goal)
         self._publisher.publish_first(goal)
         self.apply(GoalMachine.take_up, goal)
 
@@ -157,7 +165,7 @@ class GoalTracker:
             match self._machine.outputs.popleft():
                 case PublishEvent(event, goal):
                     self._publisher.publish(event, goal)
-                    self.on[News.CHANGED](goal)
+                    self.on[GoalChange.CHANGED](goal)
                 case Store(goal):
                     self._history.record(goal)
                 case AwaitResult(goal, reported):
@@ -180,7 +188,7 @@ class GoalTracker:
                 for number, goal_id in enumerate(ready, 1):
                     try:
                         if (goal := (known or {}).get(goal_id)) is not None:
-                            self.on[News.RESUMED](goal)
+                            self.on[GoalChange.RESUMED](goal)
                             self._publisher.publish_first(goal)
                         self.apply(GoalMachine.adopt, goal_id, goal)
                     except Exception:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import UNLIMITED, Grant
-from dock_gateway.core.graph import Seen, Topic, graph_document, narrow_graph
+from dock_gateway.core.graph import GraphScan, Topic, graph_document, narrow_graph
 from dock_gateway.core.tasks import cancel
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Survey, read_topic, read_topics
@@ -24,7 +24,7 @@ class View:
 
     body: bytes
     tag: str
-    seen: Seen = field(repr=False, compare=False)
+    seen: GraphScan = field(repr=False, compare=False)
 
 
 class GraphCache:
@@ -90,10 +90,10 @@ class GraphCache:
             await cancel(self._scanning)
 
 
-def _view_after(last: View | None, seen: Seen) -> View:
+def _view_after(last: View | None, seen: GraphScan) -> View:
     return last if last is not None and last.seen == seen else _view(seen)
 
 
-def _view(seen: Seen) -> View:
+def _view(seen: GraphScan) -> View:
     body = encode(graph_document(seen))
     return View(body, f'"{hashlib.sha256(body).hexdigest()[:32]}"', seen)

@@ -20,8 +20,8 @@ from dock_gateway.core.graph import (
     FEEDBACK_TYPE,
     STATUS,
     Endpoint,
+    GraphScan,
     Quality,
-    Seen,
     Service,
     Topic,
 )
@@ -110,7 +110,7 @@ class Survey:
 
     def __init__(self, node: Node, piece: float = PIECE) -> None:
         self._piece = piece
-        self.seen = Seen()
+        self.seen = GraphScan()
         self._node = node
         self._steps = self._scan()
 

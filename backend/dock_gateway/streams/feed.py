@@ -14,7 +14,7 @@ from dock_gateway.goals.goals import Goals
 from dock_gateway.http.parts import Parts
 from dock_gateway.settings import Settings
 from dock_gateway.storage import History, LaterEvents
-from dock_gateway.streams.present import Present
+from dock_gateway.streams.current_state import CurrentState
 
 # Missed events are read from the history in pieces of PIECE events, at most MAX_PIECES pieces.
 PIECE, MAX_PIECES = 1000, 100
@@ -92,7 +92,7 @@ async def begin(parts: Parts, subscriber: Subscriber, after: str | None) -> Asyn
         if missed.complete:
             over = goal_id is not None and await has_seen_end(parts, goal_id, after)
             yield notice("resumed", utc_now(), ends_goal=over, after=after, count=len(missed.events))
-            for event in permitted(subscriber, (*missed.events, *parts[Present].events(subscriber.event_filter))):
+            for event in permitted(subscriber, (*missed.events, *parts[CurrentState].events(subscriber.event_filter))):
                 yield event
             return
         yield notice("gap", utc_now(), after=after, count=len(missed.events))
@@ -101,7 +101,7 @@ async def begin(parts: Parts, subscriber: Subscriber, after: str | None) -> Asyn
     elif after is not None:
         yield notice("gap", utc_now(), after=after, count=0)
     if not subscriber.expelled:
-        yield await parts[Present].snapshot(subscriber.event_filter, position_of(newest))
+        yield await parts[CurrentState].snapshot(subscriber.event_filter, position_of(newest))
 
 
 def permitted(subscriber: Subscriber, events: Iterable[Event]) -> Iterator[Event]:

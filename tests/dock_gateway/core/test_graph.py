@@ -8,7 +8,7 @@ from rclpy.validate_full_topic_name import validate_full_topic_name
 
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.core.graph import Endpoint, Quality, Seen, Service, Topic, graph_document, is_noise, narrow_graph
+from dock_gateway.core.graph import Endpoint, GraphScan, Quality, Service, Topic, graph_document, is_noise, narrow_graph
 from dock_gateway.http.requests import is_known_tag
 from dock_gateway.ros.graph import scan
 
@@ -21,8 +21,8 @@ def at(node: str | None, kind: str, qos: Quality = QOS) -> Endpoint:
     return Endpoint(node, kind, qos)
 
 
-def seen(*topics: Topic, services: tuple[Service, ...] = (), **nodes: int) -> Seen:
-    return Seen(
+def seen(*topics: Topic, services: tuple[Service, ...] = (), **nodes: int) -> GraphScan:
+    return GraphScan(
         {f"/{name}": count for name, count in nodes.items()},
         {topic.name: topic for topic in topics},
         {service.name: service for service in services},

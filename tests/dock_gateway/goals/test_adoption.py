@@ -13,7 +13,7 @@ from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import Now
 from dock_gateway.core.goal import Goal, GoalError, encode
 from dock_gateway.goals.adoption import BATCH, Newcomers
-from dock_gateway.goals.goal_machine import News
+from dock_gateway.goals.goal_machine import GoalChange
 from dock_gateway.goals.limits import LIMITS, GoalLimits
 from tests.support.history import make_goal
 from tests.support.tracking import A, B, S, Scene, limits, scene
@@ -218,7 +218,7 @@ async def test_a_goal_that_cannot_be_taken_up_harms_no_other(scene: Scene, caplo
             raise ValueError("broken")
         seen.append(goal.goal_id)
 
-    scene.tracker.on[News.SEEN].append(listen)
+    scene.tracker.on[GoalChange.SEEN].append(listen)
     scene.status((A, S.EXECUTING), (B, S.EXECUTING))
     await until(lambda: seen == [B])
     later = str(UUID(int=1))

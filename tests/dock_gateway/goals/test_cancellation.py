@@ -14,7 +14,7 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, ResultAnswer
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.cancellation import CANCELED, STOP_TIMEOUT, STOPPED, TOO_LATE, Canceler
-from dock_gateway.goals.goal_machine import GoalMachine, News
+from dock_gateway.goals.goal_machine import GoalChange, GoalMachine
 from dock_gateway.goals.limits import GoalLimits
 from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.ros.action_port import CancelAnswer
@@ -328,7 +328,7 @@ async def test_nothing_is_remembered_of_ended_goals(scene: Scene) -> None:
 
 async def test_a_goal_that_turns_up_while_a_stop_holds_is_canceled_and_says_why(scene: Scene) -> None:
     scene.held = True
-    scene.tracker.on[News.SEEN](goal := scene.goal(S.EXECUTING))
+    scene.tracker.on[GoalChange.SEEN](goal := scene.goal(S.EXECUTING))
     await until(lambda: goal.status is S.CANCELING)
     assert goal.error is not None
     assert goal.error.code == "stopped"

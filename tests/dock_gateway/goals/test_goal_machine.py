@@ -10,7 +10,15 @@ from dock_gateway.core.dock_adapters import nav2
 from dock_gateway.core.dock_adapters.adapter import NO_REASON, DockAdapter
 from dock_gateway.core.event import Now, moment
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, ResultAnswer
-from dock_gateway.goals.goal_machine import AwaitResult, GoalMachine, News, Notify, PublishEnd, PublishEvent, Store
+from dock_gateway.goals.goal_machine import (
+    AwaitResult,
+    GoalChange,
+    GoalMachine,
+    Notify,
+    PublishEnd,
+    PublishEvent,
+    Store,
+)
 from dock_gateway.goals.limits import GoalLimits
 from tests.support.tracking import A, B, S
 
@@ -60,7 +68,7 @@ def test_a_goal_that_is_sent_is_told_with_the_time_of_its_creation(bench: Bench)
     goal = Goal(A, "/dock", "pkg/action/Dock", moment(2_000_000_000))
     bench.machine.taken_up.add(A)
     bench.machine.add(NOW, goal)
-    assert bench.done() == [("status", "pending", 2_000_000_000), Notify(News.SENT, goal)]
+    assert bench.done() == [("status", "pending", 2_000_000_000), Notify(GoalChange.SENT, goal)]
     assert (bench.machine.live, bench.machine.taken_up) == ({A: goal}, set())
     assert bench.machine.running() == [goal]
     assert not bench.machine.ended(A)
@@ -72,8 +80,8 @@ def test_a_lost_goal_that_is_sent_again_is_pending(bench: Bench) -> None:
     assert bench.done() == [
         ("status", "pending", NOW.ns),
         Store(goal),
-        Notify(News.RETURNED, goal),
-        Notify(News.SENT, goal),
+        Notify(GoalChange.RETURNED, goal),
+        Notify(GoalChange.SENT, goal),
     ]
     assert goal.error is None
 
@@ -84,11 +92,11 @@ def test_an_acceptance_has_the_stamp_of_the_server_and_its_result_is_awaited(ben
     assert bench.done() == [
         ("status", "accepted", 3_000_000_000),
         Store(goal),
-        Notify(News.SEEN, goal),
+        Notify(GoalChange.SEEN, goal),
         AwaitResult(goal),
     ]
     bench.machine.report(NOW, A, S.EXECUTING, 3_000_000_000, 4_000_000_000)
-    assert Notify(News.SEEN, goal) not in bench.done(), "that it runs is known"
+    assert Notify(GoalChange.SEEN, goal) not in bench.done(), "that it runs is known"
     assert goal.updated_at == moment(NOW.ns)
     assert bench.machine.heard_at(goal) == NOW.monotonic
 
@@ -103,7 +111,7 @@ def test_a_report_of_a_running_goal(bench: Bench, status: GoalStatus, stamp_ns: 
     assert bench.done() == [
         ("status", status.value, stamp_ns),
         Store(goal),
-        Notify(News.SEEN, goal),
+        Notify(GoalChange.SEEN, goal),
         AwaitResult(goal),
     ]
     later = Now(6_000_000_000, 6.0)
@@ -124,7 +132,7 @@ def test_a_report_of_an_end_waits_for_the_result(bench: Bench) -> None:
 def test_feedback_shows_that_a_goal_runs(bench: Bench, status: GoalStatus, origin: Any) -> None:
     goal = bench.goal(status, origin=origin)
     bench.machine.feedback(NOW, A, b"1", 4_000_000_000)
-    back = Notify(News.RETURNED if status is S.LOST else News.SEEN, goal)
+    back = Notify(GoalChange.RETURNED if status is S.LOST else GoalChange.SEEN, goal)
     moved = ("status", "executing", 4_000_000_000)
     assert bench.done() == [moved, Store(goal), back, ("feedback", 1, 4_000_000_000)]
     assert (goal.status, goal.feedback, goal.feedback_count) == (S.EXECUTING, b"1", 1)
@@ -155,7 +163,7 @@ def test_progress(bench: Bench) -> None:
 def test_a_goal_is_lost_once_and_stays_tracked(bench: Bench) -> None:
     goal = bench.goal(S.EXECUTING)
     bench.machine.lose(NOW, goal, WHY)
-    assert bench.done() == [("status", "lost", NOW.ns), Store(goal), Notify(News.LOST, goal)]
+    assert bench.done() == [("status", "lost", NOW.ns), Store(goal), Notify(GoalChange.LOST, goal)]
     assert (goal.error, goal.finished_at) == (WHY, moment(NOW.ns))
     assert bench.machine.live == {A: goal}
     assert bench.machine.running() == []
@@ -170,7 +178,7 @@ def test_an_answer_ends_a_goal_with_all_that_it_says(bench: Bench) -> None:
     bench.machine.report(NOW, A, S.EXECUTING, 1, 1)
     bench.done()
     bench.machine.answered(NOW, goal, ResultAnswer(S.ABORTED, b"{}", WHY), 4_000_000_000)
-    assert bench.done() == [PublishEnd(goal, 4_000_000_000), Notify(News.RETIRED, goal)]
+    assert bench.done() == [PublishEnd(goal, 4_000_000_000), Notify(GoalChange.RETIRED, goal)]
     assert (goal.status, goal.result, goal.error, goal.finished_at) == (S.ABORTED, b"{}", WHY, moment(NOW.ns))
     assert (bench.machine.live, bench.machine.taken_up, bench.machine.heard_at(goal)) == ({}, set(), None)
     assert bench.machine.ended(A)
@@ -189,7 +197,7 @@ def test_an_answer_that_is_no_end_is_none(bench: Bench, caplog: pytest.LogCaptur
 def test_an_end_that_only_this_gateway_knows_of_happens_now(bench: Bench) -> None:
     goal = bench.goal()
     bench.machine.end(NOW, goal, S.REJECTED, error=WHY)
-    assert bench.done() == [PublishEnd(goal, NOW.ns), Notify(News.RETIRED, goal)]
+    assert bench.done() == [PublishEnd(goal, NOW.ns), Notify(GoalChange.RETIRED, goal)]
 
 
 @pytest.mark.parametrize(
@@ -341,7 +349,7 @@ def test_only_so_many_lost_goals_are_kept() -> None:
     goals = [bench.goal(S.EXECUTING, f"{number}") for number in range(3)]
     for goal in goals:
         bench.machine.lose(NOW, goal, WHY)
-    assert bench.done()[-2:] == [Notify(News.LOST, goals[2]), Notify(News.RETIRED, goals[0])]
+    assert bench.done()[-2:] == [Notify(GoalChange.LOST, goals[2]), Notify(GoalChange.RETIRED, goals[0])]
     assert list(bench.machine.live.values()) == [running, *goals[1:]]
     assert not bench.machine.ended("0"), "it may still return, as one that is unknown"
 
@@ -365,7 +373,7 @@ def test_an_unknown_goal_is_another_clients(bench: Bench) -> None:
     assert bench.done() == [
         ("status", "executing", 4_000_000_000),
         Store(goal),
-        Notify(News.SEEN, goal),
+        Notify(GoalChange.SEEN, goal),
         AwaitResult(goal),
         ("feedback", 1, 4_100_000_000),
         AwaitResult(goal),
@@ -401,14 +409,14 @@ def test_an_unknown_goal_first_seen_by_its_feedback(bench: Bench) -> None:
     goal = bench.adopt()
     assert goal is not None
     assert (goal.created_at, goal.status) == (moment(4_000_000_000), S.EXECUTING)
-    assert bench.done().count(Notify(News.SEEN, goal)) == 1
+    assert bench.done().count(Notify(GoalChange.SEEN, goal)) == 1
 
 
 def test_a_goal_that_the_history_knows_goes_on(bench: Bench) -> None:
     known = Goal(B, "/dock", "pkg/action/Dock", moment(2), status=S.EXECUTING, feedback_count=7)
     bench.machine.report(NOW, B, S.EXECUTING, 3_000_000_000, 4_000_000_000)
     assert bench.adopt(known=known) is known
-    assert bench.done() == [AwaitResult(known), AwaitResult(known), Notify(News.SEEN, known)]
+    assert bench.done() == [AwaitResult(known), AwaitResult(known), Notify(GoalChange.SEEN, known)]
 
 
 @pytest.mark.parametrize(("later", "told"), [(None, False), (0, False), (1, True)])
@@ -426,7 +434,7 @@ def test_a_goal_that_has_ended_stays_as_it_is(bench: Bench, later: int | None, t
 def test_a_goal_of_before_is_taken_up(bench: Bench, status: GoalStatus) -> None:
     goal = Goal(A, "/dock", "pkg/action/Dock", moment(2), status=status)
     bench.machine.take_up(NOW, goal)
-    seen = [Notify(News.SEEN, goal)] if status is S.EXECUTING else []
+    seen = [Notify(GoalChange.SEEN, goal)] if status is S.EXECUTING else []
     assert bench.done() == [AwaitResult(goal), *seen]
     assert (bench.machine.live, bench.machine.taken_up) == ({A: goal}, {A})
     bench.machine.take_up(NOW, Goal(A, "/dock", "pkg/action/Dock", moment(2), status=status))

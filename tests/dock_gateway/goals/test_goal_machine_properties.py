@@ -11,7 +11,15 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 from dock_gateway.core.event import Event, Now, moment, result_event, status_event
 from dock_gateway.core.goal import FROM_ROS, Goal, GoalError, GoalStatus, ResultAnswer
-from dock_gateway.goals.goal_machine import AwaitResult, GoalMachine, News, Notify, PublishEnd, PublishEvent, Store
+from dock_gateway.goals.goal_machine import (
+    AwaitResult,
+    GoalChange,
+    GoalMachine,
+    Notify,
+    PublishEnd,
+    PublishEvent,
+    Store,
+)
 from dock_gateway.goals.limits import LIMITS
 from tests.support.tracking import S
 
@@ -126,7 +134,7 @@ class World(RuleBasedStateMachine):
             assert AwaitResult(goal, (status, now.ns)) in outputs
         elif was_lost:
             assert (goal.status, goal.error) == (status, self.machine.unwanted.get(goal_id))
-            assert Notify(News.RETURNED, goal) in outputs, "a lost goal that is reported again returns"
+            assert Notify(GoalChange.RETURNED, goal) in outputs, "a lost goal that is reported again returns"
         else:
             assert goal.status.final or ORDER.index(goal.status) >= ORDER.index(status)
 

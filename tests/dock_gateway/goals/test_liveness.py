@@ -118,7 +118,7 @@ async def test_no_goal_is_sent_while_there_are_two_servers(scene: Scene) -> None
 
 async def test_no_goal_is_sent_to_a_server_that_does_not_answer(scene: Scene) -> None:
     """Nothing was sent, so that the same request may be repeated."""
-    scene.port.answers = False
+    scene.port.answers, scene.tracker.last_heard = False, float("-inf")
     with pytest.raises(Unavailable) as refused:
         await scene.watch.require()
     assert (refused.value.code, refused.value.status) == ("action_server_unresponsive", 503)

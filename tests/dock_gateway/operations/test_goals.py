@@ -13,7 +13,7 @@ from dock_gateway.goals.action_context import ActionContext
 from dock_gateway.goals.delivery import GoalDelivery
 from dock_gateway.goals.docking_hints import DockingHints
 from dock_gateway.goals.docks import Docks
-from dock_gateway.goals.goal_machine import News
+from dock_gateway.goals.goal_machine import GoalChange
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.http.parts import Parts
 from dock_gateway.operations.goals import SendGoal, send_goal
@@ -30,7 +30,7 @@ class FakeAction:
     def __init__(self, name: str, *, server: bool, stopped: bool = False) -> None:
         self.name = name
         nothing: Any = None
-        tracker: Any = SimpleNamespace(on={News.RETIRED: []}, port=SimpleNamespace(action_name="/dock"))
+        tracker: Any = SimpleNamespace(on={GoalChange.RETIRED: []}, port=SimpleNamespace(action_name="/dock"))
         interlock: Any = SimpleNamespace(holds=lambda _: False)
         canceler: Any = SimpleNamespace(stop=lambda: None)
         self.delivery = GoalDelivery(

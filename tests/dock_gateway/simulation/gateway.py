@@ -23,7 +23,7 @@ from dock_gateway.ros.status import StatusReport
 from dock_gateway.settings import Settings
 from dock_gateway.storage import History
 from dock_gateway.storage.retention import Limits
-from dock_gateway.streams.present import Present
+from dock_gateway.streams.current_state import CurrentState
 from tests.dock_gateway.simulation.chance import TICK, Chance
 from tests.dock_gateway.simulation.database import Disk, SimulatedDatabase, SimulatedSpool
 from tests.dock_gateway.simulation.process import Process
@@ -109,7 +109,9 @@ class Gateway(Process):
         self.fanout = Fanout(queue_limit=1000, keep=history.record_event, newest=history.newest)
         self.fanout.line.on_want.append(history.follow(self.fanout.line.allow))
         settings = SimpleNamespace(heartbeat_interval=3600.0)
-        self.parts = Parts({Fanout: self.fanout, History: history, Settings: settings, Present: GoalsOnly(history)})
+        self.parts = Parts(
+            {Fanout: self.fanout, History: history, Settings: settings, CurrentState: GoalsOnly(history)}
+        )
         actions: Any = self
         asyncio.create_task(unfinished.take_over_unfinished(actions, history))  # noqa: RUF006 - noted
         self._expected: list[Goal] = []

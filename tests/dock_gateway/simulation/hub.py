@@ -14,7 +14,7 @@ from dock_gateway.sites.broker import Broker
 from dock_gateway.sites.subjects import HUB
 from dock_gateway.sites.tunnel.caller import Caller, TunnelAddress
 from dock_gateway.storage import History
-from dock_gateway.streams.present import Present
+from dock_gateway.streams.current_state import CurrentState
 from dock_hub.follower import Follower
 from dock_hub.mirror import Mirror
 from dock_hub.site_client import SiteClient
@@ -56,7 +56,9 @@ class Hub(Process):
         await history.open()
         self.fanout = Fanout(queue_limit=1000, newest=history.newest)
         settings = SimpleNamespace(heartbeat_interval=3600.0)
-        self.parts = Parts({Fanout: self.fanout, History: history, Settings: settings, Present: GoalsOnly(history)})
+        self.parts = Parts(
+            {Fanout: self.fanout, History: history, Settings: settings, CurrentState: GoalsOnly(history)}
+        )
         broker = Broker(options_of(HUB))
         self.spawn(broker.run())
         caller = Caller(broker)

@@ -21,7 +21,7 @@ from dock_gateway.core.goal import Goal, GoalStatus, ResultAnswer
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.action import Action
 from dock_gateway.goals.action_context import ActionContext
-from dock_gateway.goals.goal_machine import News
+from dock_gateway.goals.goal_machine import GoalChange
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.latch import interlock as latching
 from dock_gateway.ros.action_link import ServerPresence
@@ -297,7 +297,7 @@ class LateGoals:
         self.action = Action(port, ActionContext(settings, fanout, history, PendingFacts(0.05), interlock))
         actions._actions[NAME] = self.action  # noqa: SLF001 - no ROS graph has it
         self.server.on_status = self.action.tracker.on_status
-        self.action.tracker.on[News.RETIRED].append(self._ended.append)
+        self.action.tracker.on[GoalChange.RETIRED].append(self._ended.append)
         self.stopper = Stopper(robots, actions, interlock)
         await asyncio.sleep(2.0)  # the server is known to answer
         await self._go_through()

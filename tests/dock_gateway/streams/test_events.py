@@ -30,10 +30,10 @@ from dock_gateway.robots.simulator import Simulators
 from dock_gateway.settings import Settings
 from dock_gateway.stop.stopper import Stopper
 from dock_gateway.storage import History
+from dock_gateway.streams.current_state import CurrentState
 from dock_gateway.streams.events import EventStream, _sse_chunks, until_one_ends
-from dock_gateway.streams.gateway_present import GatewayPresent
+from dock_gateway.streams.gateway_state import GatewayState
 from dock_gateway.streams.includes import Includes
-from dock_gateway.streams.present import Present
 from tests.support.history import HistoryInMemory
 from tests.support.tracking import A, S, Scene, scene
 
@@ -176,7 +176,7 @@ class OneGoal(Parts):
                 Simulators: SimpleNamespace(document=lambda _: None),
             }
         )
-        self.add(Present, GatewayPresent(self))
+        self.add(CurrentState, GatewayState(self))
 
     async def _get(self, _: str, __: Grant = UNLIMITED) -> Goal:
         self._looks += 1

@@ -23,9 +23,9 @@ from dock_gateway.latch.latches import Latch
 from dock_gateway.settings import Settings
 from dock_gateway.stop.stopper import Stopper
 from dock_gateway.storage import History
+from dock_gateway.streams.current_state import CurrentState
 from dock_gateway.streams.feed import begin
-from dock_gateway.streams.gateway_present import GatewayPresent
-from dock_gateway.streams.present import Present
+from dock_gateway.streams.gateway_state import GatewayState
 from tests.support.history import HistoryInMemory
 
 ROBOT = "/robot1"
@@ -67,7 +67,7 @@ class Gateway:
         self.interlock = Interlock(self.fanout, file, echo_after=60)
         self.parts = Parts({Fanout: self.fanout, History: history, Settings: Settings()})
         self.parts.add(Stopper, SimpleNamespace(state=self.interlock.document))
-        self.parts.add(Present, GatewayPresent(self.parts))
+        self.parts.add(CurrentState, GatewayState(self.parts))
         for robot in (ALL, ROBOT):
             self.interlock.join(robot, Topic(), robot=robot is ROBOT)
 

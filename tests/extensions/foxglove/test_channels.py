@@ -3,17 +3,17 @@
 import pytest
 
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.core.graph import Endpoint, Quality, Seen, Topic
+from dock_gateway.core.graph import Endpoint, GraphScan, Quality, Topic
 from dock_gateway.extensions.foxglove.channels import Channels
 
 QUALITY = Quality("reliable", "volatile", "keep_last", 10, None, None, "automatic")
 TYPE = "std_msgs/msg/String"
 
 
-def seen(**types: str) -> Seen:
+def seen(**types: str) -> GraphScan:
     """A graph in which each topic (`a__b` for /a/b) has one publisher."""
     names = {f"/{name.replace('__', '/')}": kind for name, kind in types.items()}
-    return Seen(topics={name: Topic(name, [Endpoint("/node", kind, QUALITY)], []) for name, kind in names.items()})
+    return GraphScan(topics={name: Topic(name, [Endpoint("/node", kind, QUALITY)], []) for name, kind in names.items()})
 
 
 async def test_topics_that_come_go_and_change_their_type() -> None:

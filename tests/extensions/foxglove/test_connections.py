@@ -1,7 +1,7 @@
 """The connection graph that viewers are told of."""
 
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.core.graph import Endpoint, Quality, Seen, Service, Topic
+from dock_gateway.core.graph import Endpoint, GraphScan, Quality, Service, Topic
 from dock_gateway.extensions.foxglove.connections import Connections
 
 QUALITY = Quality("reliable", "volatile", "keep_last", 10, None, None, "automatic")
@@ -11,14 +11,14 @@ def end(node: str | None) -> Endpoint:
     return Endpoint(node, "std_msgs/msg/String", QUALITY)
 
 
-def seen() -> Seen:
+def seen() -> GraphScan:
     topics = (
         Topic("/robot1/a", [end("/robot1/talker"), end(None)], [end("/listener")]),
         Topic("/robot2/a", [end("/robot2/talker")], []),
         Topic("/_hidden", [end("/talker")], []),
     )
     services = Service("/robot1/reset", ["std_srvs/srv/Trigger"], {"/robot1/talker"}), Service("/gone", [], set())
-    return Seen(topics={each.name: each for each in topics}, services={each.name: each for each in services})
+    return GraphScan(topics={each.name: each for each in topics}, services={each.name: each for each in services})
 
 
 def test_what_is_there_and_what_has_changed() -> None:

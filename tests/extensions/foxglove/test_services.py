@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.core.graph import Seen
+from dock_gateway.core.graph import GraphScan
 from dock_gateway.extensions.foxglove.services import FoxgloveServices
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.graph.parameters import Parameters
@@ -29,7 +29,7 @@ def services(actions: list[Any]) -> FoxgloveServices:
 
 
 async def test_they_follow_the_actions() -> None:
-    actions, seen = [action(1), action(2)], Seen()
+    actions, seen = [action(1), action(2)], GraphScan()
     offered = services(actions)
     new, gone = await offered.update(seen)
     of_one = {f"/robot1/fibonacci/{verb}" for verb in ("send_goal", "cancel_goal", "get_result")}
@@ -39,13 +39,13 @@ async def test_they_follow_the_actions() -> None:
     new, gone = await offered.update(seen)
     assert (new, {each.name for each in gone}) == ([], of_one)
     actions[0].watch.state.available = True
-    new, gone = await offered.update(Seen())
+    new, gone = await offered.update(GraphScan())
     assert ({each.name for each in new}, gone) == (of_one, [])
 
 
 async def test_as_long_as_nothing_changes_nothing_is_done(monkeypatch: pytest.MonkeyPatch) -> None:
     """A viewer is one of hundreds, each of which looks every other second."""
-    seen, offered = Seen(), services([action(number) for number in range(100)])
+    seen, offered = GraphScan(), services([action(number) for number in range(100)])
     assert (await offered.update(seen))[0]
 
     def fail(*_: object) -> None:

@@ -1,6 +1,6 @@
 """Which topics of a robot are recorded."""
 
-from dock_gateway.extensions.recordings.topics import CAMERA, MAX_TOPICS, Wanted, recorded_topics
+from dock_gateway.extensions.recordings.topics import CAMERA, MAX_TOPICS, RecordedTopic, recorded_topics
 from dock_gateway.settings import Settings
 
 SCAN, BOOL, TRANSFORMS = "sensor_msgs/msg/LaserScan", "std_msgs/msg/Bool", "tf2_msgs/msg/TFMessage"
@@ -19,7 +19,7 @@ TOPICS = {
 }
 
 
-def recorded(topics: dict[str, list[str]], *more: str) -> dict[str, Wanted]:
+def recorded(topics: dict[str, list[str]], *more: str) -> dict[str, RecordedTopic]:
     actions = {"/robot1/dock": ["pkg/action/Dock"], "/robot2/dock": ["pkg/action/Dock"]}
     return recorded_topics("/robot1", Settings(), topics, actions, lambda name: f"/{name.split('/')[1]}", more=more)
 
@@ -27,15 +27,15 @@ def recorded(topics: dict[str, list[str]], *more: str) -> dict[str, Wanted]:
 def test_by_name_by_type_and_by_setting() -> None:
     found = recorded(TOPICS, "imu", "/rosout")
     assert found == {
-        "/tf": Wanted(TRANSFORMS),
-        "/tf_static": Wanted(TRANSFORMS, lasting=True),
-        "/robot1/scan": Wanted(SCAN),
-        "/robot1/camera/image/compressed": Wanted(CAMERA),
-        "/robot1/imu": Wanted("sensor_msgs/msg/Imu"),
-        "/robot1/stop_latched": Wanted(BOOL, lasting=True),
-        "/rosout": Wanted("rcl_interfaces/msg/Log"),
-        "/robot1/dock/_action/feedback": Wanted("pkg/action/Dock_FeedbackMessage"),
-        "/robot1/dock/_action/status": Wanted("action_msgs/msg/GoalStatusArray"),
+        "/tf": RecordedTopic(TRANSFORMS),
+        "/tf_static": RecordedTopic(TRANSFORMS, lasting=True),
+        "/robot1/scan": RecordedTopic(SCAN),
+        "/robot1/camera/image/compressed": RecordedTopic(CAMERA),
+        "/robot1/imu": RecordedTopic("sensor_msgs/msg/Imu"),
+        "/robot1/stop_latched": RecordedTopic(BOOL, lasting=True),
+        "/rosout": RecordedTopic("rcl_interfaces/msg/Log"),
+        "/robot1/dock/_action/feedback": RecordedTopic("pkg/action/Dock_FeedbackMessage"),
+        "/robot1/dock/_action/status": RecordedTopic("action_msgs/msg/GoalStatusArray"),
     }
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from dock_gateway.core.filters import is_hidden
 from dock_gateway.core.grant import Grant
-from dock_gateway.core.graph import ACTION_PART, FEEDBACK, STATUS, Seen, Topic
+from dock_gateway.core.graph import ACTION_PART, FEEDBACK, STATUS, GraphScan, Topic
 from dock_gateway.extensions.foxglove.protocol import SCHEMA_ENCODING
 from dock_gateway.ros.messages.full_definition import full_definition
 from dock_gateway.ros.messages.interfaces import load_message
@@ -55,7 +55,7 @@ class Channels:
         """Return a channel by its id."""
         return self._channels.get(identity)
 
-    async def update(self, seen: Seen) -> tuple[list[Channel], list[Channel]]:
+    async def update(self, seen: GraphScan) -> tuple[list[Channel], list[Channel]]:
         """Follow the graph; return the channels that are new, and those that are gone."""
         known = {(each.topic, each.type): each for each in self._channels.values()}
         wanted, schemas = await asyncio.to_thread(self._find, seen, known.keys())
@@ -70,12 +70,12 @@ class Channels:
                 new.append(channel)
         return new, gone
 
-    def _find(self, seen: Seen, known: AbstractSet[tuple[str, str]]) -> tuple[dict[str, str], dict[str, str]]:
+    def _find(self, seen: GraphScan, known: AbstractSet[tuple[str, str]]) -> tuple[dict[str, str], dict[str, str]]:
         """Return the types of topics, and the definitions of those that are new; takes long, so it runs in a thread."""
         wanted = dict(islice(self._offered(seen), MAX_CHANNELS))
         return wanted, _schemas({kind for _, kind in wanted.items() - known})
 
-    def _offered(self, seen: Seen) -> Iterator[tuple[str, str]]:
+    def _offered(self, seen: GraphScan) -> Iterator[tuple[str, str]]:
         """Yield the topics that the user may read, with their types."""
         for name, topic in sorted(seen.topics.items()):
             if topic.types and not _is_internal(name) and self._grant.covers_topic(name):

@@ -5,7 +5,7 @@ from typing import Any
 
 from dock_gateway.core.filters import is_hidden
 from dock_gateway.core.grant import Grant
-from dock_gateway.core.graph import Endpoint, Seen, narrow_graph
+from dock_gateway.core.graph import Endpoint, GraphScan, narrow_graph
 
 Nodes = dict[str, list[str]]
 
@@ -19,7 +19,7 @@ class Connections:
     services: Nodes = field(default_factory=dict)
 
     @classmethod
-    def of(cls, seen: Seen, grant: Grant) -> "Connections":
+    def of(cls, seen: GraphScan, grant: Grant) -> "Connections":
         """Return those of a graph."""
         covered = narrow_graph(seen, grant)
         topics = [topic for name, topic in sorted(covered.topics.items()) if not is_hidden(name)]

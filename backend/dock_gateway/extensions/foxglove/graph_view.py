@@ -8,7 +8,7 @@ from typing import TypeVar
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Role
-from dock_gateway.core.graph import Seen
+from dock_gateway.core.graph import GraphScan
 from dock_gateway.extensions.foxglove import protocol
 from dock_gateway.extensions.foxglove.channels import Channels
 from dock_gateway.extensions.foxglove.connections import Connections
@@ -62,7 +62,7 @@ class GraphView:
         self._subscriptions = subscriptions
         self._send = send
         self._scan_interval = scan_interval
-        self._seen: Seen | None = None
+        self._seen: GraphScan | None = None
         self._connections: Connections | None = None  # as sent to the client; None: it has not subscribed to them
 
     async def follow(self) -> None:
@@ -77,7 +77,7 @@ class GraphView:
                 await self._show(seen)
             await asyncio.sleep(self._scan_interval)
 
-    async def _show(self, seen: Seen) -> None:
+    async def _show(self, seen: GraphScan) -> None:
         if seen is not self._seen:
             self._seen = seen
             async with self.changing:

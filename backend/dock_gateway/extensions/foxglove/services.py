@@ -12,7 +12,7 @@ from dock_gateway.core.errors import GatewayError, NotAllowed, NotFound
 from dock_gateway.core.filters import is_hidden
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Role
-from dock_gateway.core.graph import ACTION_PART, Seen, is_noise
+from dock_gateway.core.graph import ACTION_PART, GraphScan, is_noise
 from dock_gateway.extensions.foxglove.action_calls import ActionCalls
 from dock_gateway.extensions.foxglove.channels import unused_id
 from dock_gateway.extensions.foxglove.forms import Form, MessageForm, ResultForm, TextForm, form_document, read_form
@@ -92,7 +92,7 @@ class FoxgloveServices:
         self._actions = ActionCalls(parts, rights)
         self._services: dict[int, Service] = {}
         self._unusable: set[Key] = set()
-        self._known: tuple[Seen, list[Key]] | None = None  # the graph and the actions at the last update
+        self._known: tuple[GraphScan, list[Key]] | None = None  # the graph and the actions at the last update
 
     def find(self, identity: int) -> Service | None:
         """Return a service by its id."""
@@ -122,7 +122,7 @@ class FoxgloveServices:
             raise GatewayError(detail, code="response_too_large", status=HTTPStatus.BAD_GATEWAY)
         return response
 
-    async def update(self, seen: Seen) -> tuple[list[Service], list[Service]]:
+    async def update(self, seen: GraphScan) -> tuple[list[Service], list[Service]]:
         """Follow the graph; return the services that are new, and those that are gone."""
         actions = self._usable_actions()
         if self._known is not None and self._known[0] is seen and self._known[1] == actions:
@@ -190,12 +190,12 @@ class FoxgloveServices:
             Draft(result, lambda request: actions.result(name, request), reads=True),
         )
 
-    def _find(self, seen: Seen, actions: Iterable[Key]) -> dict[Key, Draft]:
+    def _find(self, seen: GraphScan, actions: Iterable[Key]) -> dict[Key, Draft]:
         """Return the services that the user may call; takes long, so it runs in a thread."""
         of_nodes = self._callable(seen) if self._rights.grant.role.includes(Role.OPERATOR) else ()
         return dict(islice(of_nodes, MAX_SERVICES)) | dict(self._of_gateway(actions))
 
-    def _callable(self, seen: Seen) -> Iterator[tuple[Key, Draft]]:
+    def _callable(self, seen: GraphScan) -> Iterator[tuple[Key, Draft]]:
         calls, grant = self._parts[ServiceCalls], self._rights.grant
         for name, service in sorted(seen.services.items()):
             internal = ACTION_PART in name or is_noise(name, service.types)

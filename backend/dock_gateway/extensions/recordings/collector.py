@@ -8,7 +8,7 @@ from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.goal import encode
 from dock_gateway.extensions.recordings.offered_qos import offered_qos
 from dock_gateway.extensions.recordings.ring import Ring
-from dock_gateway.extensions.recordings.topics import CAMERA, Wanted
+from dock_gateway.extensions.recordings.topics import CAMERA, RecordedTopic
 from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import Relays
 from dock_gateway.graph.subscription import MOST_KEPT
@@ -27,11 +27,11 @@ class RobotCollector:
 
     def __init__(self, ring: Ring) -> None:
         self.ring = ring
-        self.topics: dict[str, Wanted] = {}
-        self._refused: dict[str, Wanted] = {}
+        self.topics: dict[str, RecordedTopic] = {}
+        self._refused: dict[str, RecordedTopic] = {}
         self._pictures: dict[str, int] = {}
 
-    async def listen(self, relays: Relays, wanted: dict[str, Wanted]) -> None:
+    async def listen(self, relays: Relays, wanted: dict[str, RecordedTopic]) -> None:
         """Listen to these topics, and to no others any longer. What is refused is not asked for again."""
         for topic in [topic for topic, kind in self.topics.items() if wanted.get(topic) != kind]:
             del self.topics[topic]

@@ -28,13 +28,13 @@ class McapFile:
         output: Where it is written to.
 
     Attributes:
-        said: Bytes of all messages, without compression.
+        uncompressed_bytes: Bytes of all messages, without compression.
     """
 
     def __init__(self, output: BinaryIO) -> None:
         from mcap.writer import Writer  # noqa: PLC0415 - see above
 
-        self.said = 0
+        self.uncompressed_bytes = 0
         self._output = output
         self._writer: Any = Writer(output)
         self._writer.start("ros2", "dock-gateway")
@@ -55,7 +55,7 @@ class McapFile:
             if channel is None or kind != sample.kind:
                 continue
             self._numbers[channel] = number = self._numbers.get(channel, 0) + 1
-            self.said += len(sample.data)
+            self.uncompressed_bytes += len(sample.data)
             self._writer.add_message(
                 channel,
                 log_time=sample.received_ns,

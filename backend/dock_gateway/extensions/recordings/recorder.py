@@ -18,7 +18,7 @@ from dock_gateway.extensions.recordings.ring import Ring
 from dock_gateway.extensions.recordings.server_parameters import PAUSE, ServerParameters
 from dock_gateway.extensions.recordings.settings import RecordingSettings
 from dock_gateway.extensions.recordings.store import OpenRecording, RecordingStore
-from dock_gateway.extensions.recordings.topics import CAMERA, Wanted, recorded_topics
+from dock_gateway.extensions.recordings.topics import CAMERA, RecordedTopic, recorded_topics
 from dock_gateway.graph.relays import Relays
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.ros.bridge import Bridge
@@ -67,7 +67,9 @@ class _Running:
     def full(self) -> bool:
         """Whether only the end is still to be written."""
         opened = self.opened
-        return opened is not None and (opened.size > MAX_FILE_BYTES or opened.file.said > MAX_UNCOMPRESSED_BYTES)
+        return opened is not None and (
+            opened.size > MAX_FILE_BYTES or opened.file.uncompressed_bytes > MAX_UNCOMPRESSED_BYTES
+        )
 
     def about(self) -> dict[str, str]:
         """Return what the recording is about."""
@@ -148,7 +150,7 @@ class Recorder:
         for robot in wanted:
             await self._collector(robot).listen(self._relays, self._topics(robot, pictures=robot in written))
 
-    def _topics(self, robot: str, *, pictures: bool) -> dict[str, Wanted]:
+    def _topics(self, robot: str, *, pictures: bool) -> dict[str, RecordedTopic]:
         """Return what to listen to. Cameras only where a goal runs: they fill a network, and many rest unless heard."""
         scan, more = self._scan, self._settings.recording_topics
         found = recorded_topics(robot, self._names, scan.topics, scan.actions, self._owner, more=more)

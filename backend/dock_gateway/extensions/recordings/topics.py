@@ -36,7 +36,7 @@ SHARED = ("/tf", "/tf_static", "/diagnostics")
 MAX_TOPICS = 60
 
 
-class Wanted(NamedTuple):
+class RecordedTopic(NamedTuple):
     """A topic that is recorded: its type, and whether its messages hold until the next one."""
 
     kind: str
@@ -51,7 +51,7 @@ def recorded_topics(
     owner: Callable[[str], str | None],
     *,
     more: Iterable[str] = (),
-) -> dict[str, Wanted]:
+) -> dict[str, RecordedTopic]:
     """Return the topics to record of a robot, with their types.
 
     Args:
@@ -77,12 +77,12 @@ def recorded_topics(
         kind = types[0]
         by_type = kind in TYPES and (name in named or owner(name) == robot)
         if by_type or name in further or (name in stops and kind == STOP):
-            found[name] = Wanted(kind, lasting=name in stops or name.endswith("/tf_static"))
+            found[name] = RecordedTopic(kind, lasting=name in stops or name.endswith("/tf_static"))
     for name, types in actions.items():
         if len(types) == 1 and owner(name) == robot:
             prefix = f"{name}{ACTION_PART}"
-            found[f"{prefix}{FEEDBACK}"] = Wanted(f"{types[0]}{FEEDBACK_TYPE}")
-            found[f"{prefix}{STATUS}"] = Wanted(GOAL_STATES)
+            found[f"{prefix}{FEEDBACK}"] = RecordedTopic(f"{types[0]}{FEEDBACK_TYPE}")
+            found[f"{prefix}{STATUS}"] = RecordedTopic(GOAL_STATES)
     named |= stops | further
     first = sorted(found, key=lambda name: (name not in named and ACTION_PART not in name, name))[:MAX_TOPICS]
     return {name: found[name] for name in first}

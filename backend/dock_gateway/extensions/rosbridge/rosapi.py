@@ -9,7 +9,7 @@ from typing import Any
 from dock_gateway.core.errors import FieldError, InvalidField, NotFound
 from dock_gateway.core.filters import is_hidden
 from dock_gateway.core.grant import Grant
-from dock_gateway.core.graph import Endpoint, Seen, Service, Topic, graph_document
+from dock_gateway.core.graph import Endpoint, GraphScan, Service, Topic, graph_document
 from dock_gateway.extensions.rosbridge.typedefs import definition_texts, message_definitions, service_definitions
 from dock_gateway.graph.cache import GraphCache
 from dock_gateway.http.parts import Parts
@@ -67,38 +67,38 @@ def _argument(name: str, args: Any) -> str:
     return value
 
 
-def _topics(seen: Seen) -> dict[str, Topic]:
+def _topics(seen: GraphScan) -> dict[str, Topic]:
     return {name: topic for name, topic in sorted(seen.topics.items()) if topic.types and not is_hidden(name)}
 
 
-def _services(seen: Seen) -> dict[str, Service]:
+def _services(seen: GraphScan) -> dict[str, Service]:
     return {name: each for name, each in sorted(seen.services.items()) if each.servers and not is_hidden(name)}
 
 
-def _all_topics(seen: Seen, _: str) -> Json:
+def _all_topics(seen: GraphScan, _: str) -> Json:
     topics = _topics(seen)
     return {"topics": list(topics), "types": [topic.types[0] for topic in topics.values()]}
 
 
-def _topics_and_raw_types(seen: Seen, _: str) -> Json:
+def _topics_and_raw_types(seen: GraphScan, _: str) -> Json:
     answer = _all_topics(seen, "")
     return answer | {"typedefs_full_text": [definition_texts(name) for name in answer["types"]]}
 
 
-def _topics_for_type(seen: Seen, name: str) -> Json:
+def _topics_for_type(seen: GraphScan, name: str) -> Json:
     return {"topics": [topic for topic, each in _topics(seen).items() if full_type(name) in each.types]}
 
 
-def _topic_type(seen: Seen, name: str) -> Json:
+def _topic_type(seen: GraphScan, name: str) -> Json:
     topic = seen.topics.get(name)
     return {"type": topic.types[0] if topic is not None and topic.types else ""}
 
 
-def _publishers(seen: Seen, name: str) -> Json:
+def _publishers(seen: GraphScan, name: str) -> Json:
     return {"publishers": _nodes(seen.topics[name].publishers) if name in seen.topics else []}
 
 
-def _subscribers(seen: Seen, name: str) -> Json:
+def _subscribers(seen: GraphScan, name: str) -> Json:
     return {"subscribers": _nodes(seen.topics[name].subscribers) if name in seen.topics else []}
 
 
@@ -106,34 +106,34 @@ def _nodes(endpoints: Iterable[Endpoint]) -> list[str]:
     return sorted({endpoint.node for endpoint in endpoints if endpoint.node is not None})
 
 
-def _all_services(seen: Seen, _: str) -> Json:
+def _all_services(seen: GraphScan, _: str) -> Json:
     return {"services": list(_services(seen))}
 
 
-def _services_for_type(seen: Seen, name: str) -> Json:
+def _services_for_type(seen: GraphScan, name: str) -> Json:
     return {"services": [each for each, service in _services(seen).items() if full_type(name, "srv") in service.types]}
 
 
-def _service_type(seen: Seen, name: str) -> Json:
+def _service_type(seen: GraphScan, name: str) -> Json:
     service = seen.services.get(name)
     return {"type": service.types[0] if service is not None and service.types else ""}
 
 
-def _service_node(seen: Seen, name: str) -> Json:
+def _service_node(seen: GraphScan, name: str) -> Json:
     service = seen.services.get(name)
     return {"node": min(service.servers, default="") if service is not None else ""}
 
 
-def _service_providers(seen: Seen, name: str) -> Json:
+def _service_providers(seen: GraphScan, name: str) -> Json:
     of_type = (each for each in _services(seen).values() if full_type(name, "srv") in each.types)
     return {"providers": sorted({node for service in of_type for node in service.servers})}
 
 
-def _all_nodes(seen: Seen, _: str) -> Json:
+def _all_nodes(seen: GraphScan, _: str) -> Json:
     return {"nodes": sorted(name for name in seen.nodes if not is_hidden(name))}
 
 
-def _node_details(seen: Seen, name: str) -> Json:
+def _node_details(seen: GraphScan, name: str) -> Json:
     if name not in seen.nodes:
         raise NotFound(f"there is no node {name[:200]} on the ROS graph", code="node_not_found")
     return {
@@ -143,11 +143,11 @@ def _node_details(seen: Seen, name: str) -> Json:
     }
 
 
-def _action_servers(seen: Seen, _: str) -> Json:
+def _action_servers(seen: GraphScan, _: str) -> Json:
     return {"action_servers": [action["name"] for action in graph_document(seen)["actions"] if action["servers"]]}
 
 
-def _interfaces(seen: Seen, _: str) -> Json:
+def _interfaces(seen: GraphScan, _: str) -> Json:
     of_topics = {name for topic in seen.topics.values() for name in topic.types}
     of_services = {name for service in seen.services.values() for name in service.types}
     return {"interfaces": sorted(of_topics | of_services)}
@@ -171,7 +171,7 @@ _TYPES: dict[str, Callable[[str], list[Json]]] = {
     "service_response_details": lambda name: service_definitions(name, "Response"),
 }
 
-_GRAPH: dict[str, Callable[[Seen, str], Json]] = {
+_GRAPH: dict[str, Callable[[GraphScan, str], Json]] = {
     "topics": _all_topics,
     "topics_and_raw_types": _topics_and_raw_types,
     "topics_for_type": _topics_for_type,

@@ -7,7 +7,7 @@ import orjson
 from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Role
-from dock_gateway.core.graph import Seen
+from dock_gateway.core.graph import GraphScan
 from dock_gateway.core.json_text import decode_json
 from dock_gateway.extensions.rosbridge import rosapi
 from dock_gateway.extensions.rosbridge.protocol import CallService
@@ -111,7 +111,7 @@ class RosbridgeServices:
         return {"successful": True, "reason": ""}
 
     async def _get_param_names(self, _: Any) -> Json:
-        seen: Seen = (await self._parts[GraphCache].graph(self._rights.grant)).seen
+        seen: GraphScan = (await self._parts[GraphCache].graph(self._rights.grant)).seen
         found = await self._parameters.get_all(seen.nodes)
         return {"names": sorted(f"{node}:{each.name}" for node, parameters in found.items() for each in parameters)}
 

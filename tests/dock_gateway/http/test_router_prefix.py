@@ -8,7 +8,7 @@ from fastapi import APIRouter, FastAPI
 from starlette.routing import BaseRoute, Match
 
 from dock_gateway.app import create_app
-from dock_gateway.http.asking import ask_for_own
+from dock_gateway.http.router_prefix import match_own_prefix
 from dock_gateway.settings import Settings
 
 
@@ -30,7 +30,7 @@ def included(*paths: str) -> tuple[BaseRoute, list[str]]:
         return matches(asking)
 
     found.matches = note  # type: ignore[method-assign]
-    ask_for_own(found, paths)
+    match_own_prefix(found, paths)
     return found, asked
 
 

@@ -6,7 +6,7 @@ from starlette.routing import BaseRoute, Match
 from starlette.types import Scope as ConnectionScope
 
 
-def ask_for_own(router: BaseRoute, paths: Iterable[str]) -> None:
+def match_own_prefix(router: BaseRoute, paths: Iterable[str]) -> None:
     """Ask a router only for paths that begin with the same segment as one of its own.
 
     Routers are asked one after the other. If each compares all its paths, that is a fifth of what a request costs.

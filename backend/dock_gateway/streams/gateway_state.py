@@ -20,7 +20,7 @@ from dock_gateway.stop.stopper import Stopper
 NARROW = {"robots": narrow_robots, "alerts": narrow_alerts, "approvals": narrow_approvals}
 
 
-class GatewayPresent:
+class GatewayState:
     """The present state of a gateway.
 
     Args:

@@ -6,7 +6,7 @@ from dock_gateway.core.event import Event
 from dock_gateway.core.filters import EventFilter
 
 
-class Present(Protocol):
+class CurrentState(Protocol):
     """The present state, as a reader's event filter covers it."""
 
     async def snapshot(self, event_filter: EventFilter, position: str) -> Event:
