@@ -9,7 +9,7 @@ import { PageTitle, Section } from "../../ui/Section";
 import { useFreshMissions } from "./freshMissions";
 import { againPath, MissionCard } from "./MissionCard";
 import { useMission } from "./missions";
-import { hasEnded } from "./queue";
+import { hasEnded, PRIORITY } from "./queue";
 import type { Mission } from "./requests";
 import { missionName } from "./words";
 
@@ -45,7 +45,7 @@ function Details({ mission }: { mission: Mission }) {
       title={name}
       aside={
         <Group gap="sm">
-          {mission.priority !== 50 && <Text size="sm">Priority {mission.priority}</Text>}
+          {mission.priority !== PRIORITY && <Text size="sm">Priority {mission.priority}</Text>}
           <Anchor component={Link} to={robotPath(mission.robot)} size="sm">
             Go to {name}
           </Anchor>

@@ -15,7 +15,7 @@ import { againPath, Commands, MissionBadge, MissionCard, missionPath } from "./M
 import { useEndedMissions, useMissionCommand } from "./missions";
 import classes from "./missions.module.css";
 import { useOpenMissions } from "./openMissions";
-import { type Queue, queuesOf } from "./queue";
+import { PRIORITY, type Queue, queuesOf } from "./queue";
 import type { Mission } from "./requests";
 import { errorWords, holdOf, missionName, stepWords, tookWords } from "./words";
 
@@ -189,7 +189,7 @@ function Queued({ mission, place }: { mission: Mission; place: number }) {
         </Group>
         <Text size="sm" c="dimmed" component="div" className={classes.facts}>
           <span>{steps}</span>
-          {mission.priority !== 50 && <span>Priority {mission.priority}</span>}
+          {mission.priority !== PRIORITY && <span>Priority {mission.priority}</span>}
           <span>
             Queued <Time value={mission.created_at} />
             {mission.created_by !== null && ` by ${mission.created_by}`}

@@ -4,6 +4,7 @@ import type { FieldError } from "../../actions/form/write";
 import type { Json, JsonObject } from "../../api/jsonSchema";
 import { LIMITS } from "../../api/limits.gen";
 import { clockOf, dayOf, timeAt } from "../../ui/time";
+import { PRIORITY } from "./queue";
 import type { Mission, MissionStep, Waypoint } from "./requests";
 import { depthOf } from "./words";
 
@@ -17,7 +18,6 @@ export const { maximum: MAX_TIMES } = LIMITS_OF_MISSION["steps[].repeat.times"];
 export const { maxLength: MAX_STEP_NAME } = LIMITS_OF_MISSION["steps[].name"];
 export const { maxLength: MAX_NOTICE } = LIMITS_OF_MISSION["steps[].notify.text"];
 export const { maximum: MAX_WAIT_S } = LIMITS_OF_MISSION["steps[].wait.seconds"];
-const PRIORITY = 50;
 
 export type StepKind =
   | "dock"

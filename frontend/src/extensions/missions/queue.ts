@@ -1,5 +1,8 @@
 import type { Mission } from "./requests";
 
+/** The priority of a mission that names none. */
+export const PRIORITY = 50;
+
 /** Whether no other state follows. */
 export function hasEnded({ status }: Pick<Mission, "status">): boolean {
   return status === "succeeded" || status === "failed" || status === "canceled";
