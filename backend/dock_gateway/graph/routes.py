@@ -23,7 +23,7 @@ async def get_graph(request: Request, graph: Part[GraphCache], grant: TheGrant) 
     headers = {"ETag": view.tag, "Cache-Control": "no-cache"}
     if is_known_tag(request.headers.get("if-none-match"), view.tag):
         return Response(status_code=304, headers=headers)
-    return Response(view.body, headers=headers, media_type="application/json")
+    return Answer(view.body, headers=headers)
 
 
 @router.get("/topics/{name:graph_name}")

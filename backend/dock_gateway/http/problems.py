@@ -17,6 +17,7 @@ from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, got
 from dock_gateway.core.goal import encode
 from dock_gateway.http.bodies import expectation
 from dock_gateway.http.methods import AllowedMethods
+from dock_gateway.http.requests import Answer
 
 MEDIA_TYPE = "application/problem+json"
 INTERNAL = GatewayError("internal error; the gateway's log has the details")
@@ -36,7 +37,7 @@ def problem_response(error: GatewayError) -> Response:
         headers["Connection"] = "close"  # the rest of the body is not read
     if error.status is HTTPStatus.UPGRADE_REQUIRED:
         headers |= {"Upgrade": "websocket", "Connection": "Upgrade"}
-    return Response(encode(error.problem()), error.status, headers, MEDIA_TYPE)
+    return Answer(encode(error.problem()), error.status, headers, MEDIA_TYPE)
 
 
 def problems(*statuses: int, schema: str = "Problem") -> dict[int | str, dict[str, Any]]:

@@ -275,6 +275,10 @@ class Answer(Response, Generic[ModelT]):
 
     media_type = "application/json"
 
+    def render(self, content: bytes) -> bytes:
+        """Return the body: for people who read it in a terminal, it ends with a newline."""
+        return content + b"\n"
+
 
 def json_response(document: object, status: int = 200, headers: dict[str, str] | None = None) -> Answer[Any]:
     """Return a JSON response, encoded as everywhere in the gateway."""
