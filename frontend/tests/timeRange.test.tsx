@@ -9,7 +9,7 @@ import { readViews, renamed, SavedViews, withView, writeViews } from "../src/ui/
 import { Time } from "../src/ui/Time";
 import { TimeRangeField } from "../src/ui/TimeRangeField";
 import { clockOf, dayOf, formatTime, startOfDay, timeAt } from "../src/ui/time";
-import { ANY_TIME, boundsOf, ownDates, type TimeRange, timeRange } from "../src/ui/timeRange";
+import { ANY_TIME, boundsOf, isEmpty, ownDates, type TimeRange, timeRange } from "../src/ui/timeRange";
 import { setZone, shownZone, zoneName } from "../src/ui/zone";
 
 const NOON = Date.parse("2026-11-21T12:34:56Z");
@@ -109,6 +109,15 @@ describe("a time range", () => {
     await user.click(screen.getByRole("radio", { name: "Any" }));
     expect(latest).toEqual(ANY_TIME);
     expect(screen.queryByLabelText("From, day")).toBeNull();
+  });
+
+  it("is empty while it ends before it begins", () => {
+    const dates = (since: string | null, until: string | null) => ({ last: null, since, until });
+    const [one, other] = ["2026-11-29T00:00:00Z", "2026-11-30T00:00:00Z"];
+    expect(isEmpty(dates(other, one), NOON)).toBe(true);
+    expect(isEmpty(dates(one, one), NOON)).toBe(true);
+    for (const range of [dates(one, other), dates(other, null), dates(null, one), ANY_TIME])
+      expect(isEmpty(range, NOON)).toBe(false);
   });
 });
 

@@ -3,10 +3,12 @@ import { useEffect, useMemo, useRef } from "react";
 import { createGoalsApi } from "../api/goals";
 import { useFleet, useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
 import { type PagedList, usePages } from "../ui/requests";
+import { isEmpty } from "../ui/timeRange";
 import { useZone } from "../ui/zone";
 import { type GoalFilter, goalFilter, matches, toQuery } from "./filter";
 
 const REFETCH_MS = 10_000;
+const NO_GOALS: GoalPage = { goals: [], next_cursor: null };
 
 export interface GoalList extends Omit<PagedList<GoalPage>, "pages"> {
   /** Newest first; null until the first page has come. */
@@ -20,7 +22,10 @@ export function useGoalList(filter: GoalFilter): GoalList {
   const api = useMemo(() => createGoalsApi(http), [http]);
   const { pages, ...list } = usePages<GoalPage, string>({
     queryKey: ["goals", zone, goalFilter.write(filter).toString()],
-    queryFn: (cursor) => api.list(toQuery(filter, store.gatewayNow()), cursor),
+    queryFn: async (cursor) => {
+      const now = store.gatewayNow();
+      return isEmpty(filter.time, now) ? NO_GOALS : api.list(toQuery(filter, now), cursor);
+    },
     keepPrevious: true,
     // The stream does not tell of tags. All pages are asked for again, the more the less often.
     refetchMs: (count) => REFETCH_MS * count,

@@ -49,6 +49,12 @@ export function boundsOf(
   };
 }
 
+/** Whether it ends before it begins, as while one of its dates is typed: nothing is in it. */
+export function isEmpty(range: TimeRange, now: number): boolean {
+  const { since, until } = boundsOf(range, now);
+  return since !== null && until !== null && until <= since;
+}
+
 /** The query parameters of a request about this time. */
 export function timeQuery(range: TimeRange, now: number): { since?: string; until?: string } {
   const { since, until } = boundsOf(range, now);
