@@ -141,6 +141,10 @@ def test_a_retry_with_an_idempotency_key_gets_the_first_goal(gateway: RunningGat
     assert again.json()["goal_id"] == first.json()["goal_id"]
     other = gateway.http.post("/dock", json={"desired_battery_state": {"power_supply_status": 4}}, headers=headers)
     assert (other.status_code, other.json()["code"]) == (409, "idempotency_key_reused")
+    gateway.publish(CHARGING)
+    gateway.wait_for_goal(first.json()["goal_id"], "succeeded")
+    ended = gateway.http.post("/dock", headers=headers)
+    assert (ended.status_code, ended.json()["goal_id"]) == (200, first.json()["goal_id"])
 
 
 def test_pages_of_goals(gateway: RunningGateway) -> None:
