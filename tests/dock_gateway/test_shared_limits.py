@@ -41,7 +41,7 @@ REASONS = (SHARES, OF_CONNECTION, OF_ADDRESS, OF_USER, TURN, OLDEST_GO, OF_GRAPH
 
 BOUNDS = {
     "access.login_guard:LoginGuard.counted": OF_ADDRESS,
-    "access.passwords:Passwords.__init__": TURN,
+    "access.passwords:": TURN,
     "core.fanout:Subscriber.put": OF_CONNECTION,
     "core.line:Line._insert": OLDEST_GO,
     "core.log_limit:LogLimit._forget": OLDEST_GO,

@@ -110,6 +110,7 @@ def start_searching(page: Page, gateway: RunningGateway) -> None:
     """A goal that runs until it is stopped."""
     gateway.set_fault("occluded_marker")
     start_docking(page)
+    wait_until(lambda: gateway.http.get("/goals?status=executing").json()["goals"], "a goal that runs")
     expect(page.get_by_test_id("stages").get_by_role("listitem").filter(has_text="now")).to_be_visible()
 
 

@@ -190,9 +190,13 @@ def test_what_is_wrong_is_said(gateway: RunningGateway, method: str, path: str, 
 
 def test_a_real_robot_has_no_simulator_and_one_that_leaves_is_missed(shared_domain: int) -> None:
     with ros_domain() as elsewhere, running_gateway(elsewhere) as gateway:
-        for method, path in (("GET", ""), ("POST", "/reset"), ("POST", "/place"), ("PUT", "/faults/stuck_wheel")):
-            body = {"x": 0.0, "y": 0.0, "theta": 0.0} if path == "/place" else {"active": True}
-            response = gateway.http.request(method, f"/simulator{path}", json=body if path else None)
+        for method, path, body in (
+            ("GET", "", None),
+            ("POST", "/reset", None),
+            ("POST", "/place", {"x": 0.0, "y": 0.0, "theta": 0.0}),
+            ("PUT", "/faults/stuck_wheel", {"active": True}),
+        ):
+            response = gateway.http.request(method, f"/simulator{path}", json=body)
             assert (response.status_code, response.json()["code"]) == (404, "simulator_not_found")
         with gateway.stream("?include=system") as stream:
             with running_program(elsewhere, "dock_simulator"):
