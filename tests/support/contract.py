@@ -29,6 +29,7 @@ from dock_gateway.settings import Settings
 from dock_gateway.streams.asyncapi import asyncapi_document
 from dock_hub.app import create_hub_app
 from dock_hub.error_codes import CODES
+from dock_hub.schema import GOAL_FIELDS
 from dock_hub.settings import HubSettings
 from tests.support.compatibility import ALONE, METHODS, Changes, compare, for_programs
 
@@ -64,6 +65,9 @@ def of_hub() -> Document:
     found = _promised(create_hub_app(HubSettings()).openapi())
     for path in [path for path in found["paths"] if path in _paths_of_extensions()]:
         del found["paths"][path]
+    for goal in (found["components"]["schemas"][name] for name in ("Goal", "ExportedGoal")):
+        goal["properties"] = {name: each for name, each in goal["properties"].items() if name not in GOAL_FIELDS}
+        goal["required"] = [name for name in goal["required"] if name not in GOAL_FIELDS]
     _add_settings(found, HubSettings)
     _add_commands(found, {entry.name: entry.load() for entry in entry_points(group=GROUP)})
     page = (ROOT / "docs/extensions/sites.md").read_text()
