@@ -22,7 +22,6 @@ from dock_gateway.goals.tracker import GoalTracker
 from dock_gateway.ros.action_port import ActionPort
 from dock_gateway.ros.listener import Unread
 from dock_gateway.ros.messages.codec import codec
-from dock_gateway.ros.messages.fields import MAX_ERRORS
 
 # Seconds after which an action that is off the graph is removed. A restart takes less.
 FORGET_AFTER = 10.0
@@ -165,20 +164,16 @@ class Action:
             raise _missing(path)
         if self.adapter is None or not isinstance(request, dict):
             return self.port.goal_codec.parse(request, path)
-        if DESIRED in request and self.adapter.reads_battery_goal:
+        if DESIRED in request and DESIRED in self.adapter.takes:
             battery = codec(BatteryState)
             state = battery.parse(request[DESIRED], f"{path}.{DESIRED}" if path else DESIRED)
             request = {**request, DESIRED: battery.document(state)}
-        if POSE in request and self.adapter.reads_dock_pose:
+        if POSE in request and POSE in self.adapter.takes:
             stamped = codec(PoseStamped)
             pose = stamped.parse(request[POSE], f"{path}.{POSE}" if path else POSE)
             request = {**request, POSE: stamped.document(pose)}
-        goal, codec_of_goal = self.adapter.goal(request, self.default_dock, path), self.port.goal_codec
-        if unknown := [name for name in goal if name not in codec_of_goal.field_names]:
-            known = f"one of {', '.join(dict.fromkeys((*self.adapter.takes, *codec_of_goal.field_names)))}"
-            places = (f"{path}.{name}" if path else name for name in unknown[:MAX_ERRORS])
-            raise InvalidField([FieldError(place[:200], known, "got an unknown field") for place in places])
-        return codec_of_goal.parse(goal, path)
+        goal = self.adapter.goal(request, self.default_dock, path)
+        return self.port.goal_codec.parse(goal, path, self.adapter.takes)
 
     def _publish_server(self, state: ServerState) -> None:
         self._fanout.publish(system_event("action_server", state, utc_now(), action_name=self.name))

@@ -38,9 +38,9 @@ async def test_a_goal_that_no_stop_precedes_is_read() -> None:
 
 async def test_a_goal_that_is_not_given_is_the_default_only_where_a_robot_docks() -> None:
     def docking(default: object) -> Any:
-        adapter = SimpleNamespace(default=default, reads_battery_goal=False, reads_dock_pose=False, takes=())
+        adapter = SimpleNamespace(default=default, takes=())
         adapter.goal = lambda request, dock, path: {**request, "dock_id": dock}
-        codec = SimpleNamespace(field_names=("dock_id",), parse=lambda value, path: (value, path))
+        codec = SimpleNamespace(parse=lambda value, path, further: (value, path))
         action: Any = SimpleNamespace(adapter=adapter, port=SimpleNamespace(goal_codec=codec), default_dock="home")
         return action
 

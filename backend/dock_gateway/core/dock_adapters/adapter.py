@@ -48,9 +48,8 @@ class DockAdapter:
         family: The package that defines the type: the docking and the undocking action of a family belong together.
         action_type: The type; empty for any other type.
         action_name: The name under which its servers offer it, without a namespace.
-        reads_battery_goal: Whether `goal` takes a `desired_battery_state` that the goal message does not have.
-        reads_dock_pose: Whether `goal` takes a `dock_pose` (geometry_msgs/PoseStamped) that the message does not have.
-        takes: The fields of a request that the goal message need not have.
+        takes: The fields of a request that the goal message does not have, and `goal` takes: a `desired_battery_state`,
+            a `dock_pose` (geometry_msgs/PoseStamped), names.
         tells_stage: Whether `progress` has to be asked about feedback.
     """
 
@@ -58,8 +57,6 @@ class DockAdapter:
     family: str = ""
     action_type: str = ""
     action_name: str = ""
-    reads_battery_goal: bool = False
-    reads_dock_pose: bool = False
     takes: tuple[str, ...] = ()
     tells_stage: bool = False
 
@@ -72,8 +69,8 @@ class DockAdapter:
         """Return the fields of the goal message for a request.
 
         Args:
-            request: A simple request, the goal message's own fields, or both. With `reads_battery_goal`, a
-                `desired_battery_state` is complete and valid; with `reads_dock_pose`, a `dock_pose` is.
+            request: A simple request, the goal message's own fields, or both. A
+                `desired_battery_state` and a `dock_pose` that it takes are complete and valid.
             default_dock: The dock to use if the request names none; empty: none.
             path: Where the request was, for errors.
 

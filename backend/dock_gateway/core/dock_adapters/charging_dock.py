@@ -94,7 +94,6 @@ DOCK = ConnectToChargingDock(
     FAMILY,
     "action_tutorials_interfaces/action/ConnectToChargingDock",
     "connect_to_charging_dock",
-    reads_dock_pose=True,
     takes=(DOCK_ID, POSE, TYPE, USE_ID),
 )
 UNDOCK = DisconnectFromChargingDock(

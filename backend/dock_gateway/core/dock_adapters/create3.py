@@ -75,10 +75,7 @@ DOCK = Create3Dock(
     FAMILY,
     "irobot_create_msgs/action/Dock",
     "dock",
-    reads_battery_goal=True,
     takes=(DESIRED,),
     tells_stage=True,
 )
-UNDOCK = Create3Undock(
-    "undock", FAMILY, "irobot_create_msgs/action/Undock", "undock", reads_battery_goal=True, takes=(DESIRED,)
-)
+UNDOCK = Create3Undock("undock", FAMILY, "irobot_create_msgs/action/Undock", "undock", takes=(DESIRED,))

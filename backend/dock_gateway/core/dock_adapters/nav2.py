@@ -137,10 +137,7 @@ DOCK = DockRobot(
     FAMILY,
     "nav2_msgs/action/DockRobot",
     "dock_robot",
-    reads_battery_goal=True,
     takes=(DESIRED,),
     tells_stage=True,
 )
-UNDOCK = UndockRobot(
-    "undock", FAMILY, "nav2_msgs/action/UndockRobot", "undock_robot", reads_battery_goal=True, takes=(DESIRED,)
-)
+UNDOCK = UndockRobot("undock", FAMILY, "nav2_msgs/action/UndockRobot", "undock_robot", takes=(DESIRED,))

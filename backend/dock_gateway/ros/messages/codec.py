@@ -6,7 +6,7 @@ fields.
 """
 
 import math
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from typing import Any
 
@@ -48,11 +48,6 @@ class MessageCodec:
             floats = [name for name, kind in types.items() if isinstance(kind, Float)]
             self._defaults += [(name, _nan) for name in floats]
 
-    @property
-    def field_names(self) -> Collection[str]:
-        """The names of the fields."""
-        return self._fields.keys()
-
     def encode(self, message: Any) -> Json:
         """Encode a message as JSON text."""
         return encode(self.document(message))
@@ -68,31 +63,36 @@ class MessageCodec:
         except TooLong:
             return await in_turn(self.parse, value, path)
 
-    def parse(self, value: object, path: str = "") -> Any:
+    def parse(self, value: object, path: str = "", further: Iterable[str] = ()) -> Any:
         """Build a message from decoded JSON; missing fields get their default, NaN if the message type wants it.
 
         A message is returned unchanged: a client may have sent it as bytes.
+
+        Args:
+            value: The JSON.
+            path: Where it was, for errors.
+            further: Fields that a client may send, too, of which others make those of the message.
 
         Raises:
             InvalidField: With all errors, up to a limit.
         """
         try:
-            return self._parse(value, path, MAX_NESTED)
+            return self._parse(value, path, MAX_NESTED, further)
         except TooLong:
             most = f"at most {MAX_NESTED:,} nested messages and texts in all, a number counting 1/{NUMBERS}"
             raise InvalidField([FieldError(path, most, "got more")]) from None
 
-    def _parse(self, value: object, path: str, most: int) -> Any:
+    def _parse(self, value: object, path: str, most: int, further: Iterable[str] = ()) -> Any:
         if isinstance(value, self._class):
             return value
         errors = Errors(most)
         errors.take(nested_in(self._class))
-        message = self.parse_into(value, path, errors)
+        message = self.parse_into(value, path, errors, further)
         if errors:
             raise InvalidField(errors[:MAX_ERRORS])
         return message
 
-    def parse_into(self, value: object, path: str, errors: Errors) -> Any:
+    def parse_into(self, value: object, path: str, errors: Errors, further: Iterable[str] = ()) -> Any:
         """Like `parse`, but append the errors to `errors`."""
         message = self.default()
         if not isinstance(value, Mapping):
@@ -102,7 +102,8 @@ class MessageCodec:
             item_path = f"{path}.{name}" if path else str(name)
             field = self._fields.get(name)
             if field is None:
-                fields = f"one of {', '.join(self._fields)}" if self._fields else "no fields"
+                known = ", ".join(dict.fromkeys((*further, *self._fields)))
+                fields = f"one of {known}" if known else "no fields"
                 errors.append(FieldError(item_path[:200], fields, "got an unknown field"))
             else:
                 before = len(errors)
