@@ -10,7 +10,7 @@ import orjson
 
 from dock_gateway.core.alerts import SETTLED_AFTER
 from dock_gateway.core.errors import NotFound, not_covered
-from dock_gateway.core.event import Event, Narrow, fleet_event, notice, utc_now
+from dock_gateway.core.event import Event, Narrow, fleet_event, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import EventFilter, is_under
 from dock_gateway.core.goal import encode
@@ -27,6 +27,7 @@ from dock_gateway.goals.goals import Goals
 from dock_gateway.sites.names import site_grant
 from dock_gateway.storage import History
 from dock_gateway.storage.shared_entries import SYNC_INTERVAL, SharedEntries
+from dock_gateway.streams.current_state import snapshot_of
 from dock_hub.directory import SILENT_AFTER, SiteState
 from dock_hub.sites import Sites
 
@@ -220,14 +221,7 @@ class Overview:
     async def snapshot(self, event_filter: EventFilter, position: str) -> Event:
         """Return recent goals; robots, alerts, approvals and sites if asked for."""
         goals = await self._goals.recent(event_filter)
-        return notice(
-            "snapshot",
-            utc_now(),
-            position=position,
-            ends_goal=event_filter.goal_id is not None and all(goal.status.terminal for goal in goals),
-            goals=[goal.document() for goal in goals],
-            **self._states_of(event_filter),
-        )
+        return snapshot_of(goals, self._states_of(event_filter), event_filter, position)
 
     def events(self, event_filter: EventFilter) -> list[Event]:
         """Return the current robots, alerts, approvals and sites that the reader wants."""

@@ -120,8 +120,8 @@ async def goal_events(
 ) -> Response:
     """Stream the events of a goal as Server-Sent Events until it ends. `Last-Event-ID` resumes."""
     after, max_rate = read_after(query) if last is None else last, read_max_rate(query)
-    await parts[Goals].get(goal_id, principal.grant)
-    if last is not None and await has_seen_end(parts, goal_id, last):
+    goal = await parts[Goals].get(goal_id, principal.grant)
+    if last is not None and has_seen_end(parts, goal, last):
         return Response(status_code=204)
     chunks = _sse_chunks(parts, principal, {**query, "goal_id": goal_id}, after, max_rate)
     first = await anext(chunks)  # errors are raised before the stream begins

@@ -9,6 +9,7 @@ from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import Event, notice, position_of, utc_now
 from dock_gateway.core.fanout import Fanout, Subscriber
 from dock_gateway.core.filters import EventFilter
+from dock_gateway.core.goal import Goal
 from dock_gateway.core.throttle import Throttle
 from dock_gateway.goals.goals import Goals
 from dock_gateway.http.parts import Parts
@@ -90,7 +91,7 @@ async def begin(parts: Parts, subscriber: Subscriber, after: str | None) -> Asyn
         goal_id = subscriber.event_filter.goal_id
         missed = await _missed(parts, subscriber, parts[Fanout].resolve(after))
         if missed.complete:
-            over = goal_id is not None and await has_seen_end(parts, goal_id, after)
+            over = goal_id is not None and has_seen_end(parts, await parts[Goals].get(goal_id), after)
             yield notice("resumed", utc_now(), ends_goal=over, after=after, count=len(missed.events))
             for event in permitted(subscriber, (*missed.events, *parts[CurrentState].events(subscriber.event_filter))):
                 yield event
@@ -112,9 +113,8 @@ def permitted(subscriber: Subscriber, events: Iterable[Event]) -> Iterator[Event
         yield event
 
 
-async def has_seen_end(parts: Parts, goal_id: str, after: str) -> bool:
+def has_seen_end(parts: Parts, goal: Goal, after: str) -> bool:
     """Whether a reader that has seen the event `after`, of any gateway, knows how a goal ended."""
-    goal = await parts[Goals].get(goal_id)
     return goal.status.terminal and (goal.last_event_id or "") <= parts[Fanout].resolve(after)
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
-from dock_gateway.core.event import Event, fleet_event, notice, stop_event, system_event, utc_now
+from dock_gateway.core.event import Event, fleet_event, stop_event, system_event, utc_now
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import UNLIMITED
 from dock_gateway.core.narrowing import narrow_alerts, narrow_approvals, narrow_robots
@@ -16,6 +16,7 @@ from dock_gateway.http.parts import Parts
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.robots.simulator import Simulators
 from dock_gateway.stop.stopper import Stopper
+from dock_gateway.streams.current_state import snapshot_of
 
 NARROW = {"robots": narrow_robots, "alerts": narrow_alerts, "approvals": narrow_approvals}
 
@@ -50,14 +51,7 @@ class GatewayState:
     async def snapshot(self, event_filter: EventFilter, position: str) -> Event:
         """Return running and recent goals, and what else the reader asked for."""
         goals = await self._parts[Goals].recent(event_filter)
-        return notice(
-            "snapshot",
-            utc_now(),
-            position=position,
-            ends_goal=event_filter.goal_id is not None and all(goal.status.terminal for goal in goals),
-            goals=[goal.document() for goal in goals],
-            **self._states_of(event_filter),
-        )
+        return snapshot_of(goals, self._states_of(event_filter), event_filter, position)
 
     def events(self, event_filter: EventFilter) -> list[Event]:
         """Return the current state as events, for a reader who resumes: battery states have an id and are replayed."""
