@@ -101,12 +101,14 @@ class InvalidField(GatewayError):
 
 
 @contextmanager
-def fields_of_a_message() -> Iterator[None]:
-    """Say of the fields of a message that they are in it: what is a query parameter in REST is one of them."""
+def fields_of_a_message(path: str = "") -> Iterator[None]:
+    """Say of invalid fields that they are in a message, below a path: it also has what is a query in REST."""
     try:
         yield
     except InvalidField as error:
-        raise InvalidField([replace(each, place="body") for each in error.errors]) from error.__cause__
+        paths = (".".join(filter(None, (path, each.path))) for each in error.errors)
+        errors = [replace(each, path=below, place="body") for each, below in zip(error.errors, paths, strict=True)]
+        raise InvalidField(errors) from error.__cause__
 
 
 class NotAuthenticated(GatewayError):

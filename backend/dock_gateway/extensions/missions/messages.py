@@ -1,10 +1,6 @@
 """The calls of services and the messages on topics that missions send."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import replace
-
-from dock_gateway.core.errors import InvalidField, NotFound, NotInstalled, not_covered
+from dock_gateway.core.errors import NotFound, NotInstalled, fields_of_a_message, not_covered
 from dock_gateway.core.grant import Grant
 from dock_gateway.extensions.missions.actions import covers_message
 from dock_gateway.extensions.missions.step import SingleStep
@@ -51,12 +47,12 @@ class Messages:
         """
         try:
             if step.call is not None:
-                with _within(f"{place}.call"):
+                with fields_of_a_message(f"{place}.call"):
                     service = await self._services.find(step.call.service, step.call.type)
                 kind = await self._services.load(service)
                 await codec(kind.Request).read(step.call.request, f"{place}.call.request")
             elif step.publish is not None:
-                with _within(f"{place}.publish"):
+                with fields_of_a_message(f"{place}.publish"):
                     topic = await self._publishing.find(step.publish.topic, step.publish.type)
                 await codec(await self._publishing.load(topic)).read(step.publish.message, f"{place}.publish.message")
         except (NotFound, NotInstalled):
@@ -73,14 +69,3 @@ class Messages:
             await self._services.call(call.service, call.request, type_name=call.type, timeout=within)
         elif step.publish is not None:
             await self._publishing.publish(step.publish.topic, step.publish.message, type_name=step.publish.type)
-
-
-@contextmanager
-def _within(place: str) -> Iterator[None]:
-    """Say of fields where they are in the request."""
-    try:
-        yield
-    except InvalidField as error:
-        raise InvalidField(
-            [replace(each, path=f"{place}.{each.path}", place="body") for each in error.errors]
-        ) from None

@@ -208,9 +208,10 @@ class MissionEntry(MissionFields):
         """Return the mission with other fields, as its next revision."""
         return self.model_copy(update={"revision": self.revision + 1, **fields})
 
-    def with_step(self, **fields: Any) -> "MissionEntry":
-        """Return the mission with other fields of the present step, as its next revision."""
-        steps = (*self.steps[: self.step], self.current.model_copy(update=fields), *self.steps[self.step + 1 :])
+    def with_step(self, index: int | None = None, /, **fields: Any) -> "MissionEntry":
+        """Return the mission with other fields of a step, by default of the present one, as its next revision."""
+        at = self.step if index is None else index
+        steps = (*self.steps[:at], self.steps[at].model_copy(update=fields), *self.steps[at + 1 :])
         return self.but(steps=steps)
 
     def document(self, mission_id: str, waits_for: str | None) -> Mapping[str, Any]:

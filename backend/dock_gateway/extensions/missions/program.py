@@ -6,12 +6,11 @@ Plain data.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
 from datetime import datetime, timedelta
 from itertools import count
 from typing import Any
 
-from dock_gateway.core.errors import FieldError, InvalidField
+from dock_gateway.core.errors import FieldError, InvalidField, fields_of_a_message
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, Reason, StepEntry, StepStatus
 from dock_gateway.extensions.missions.step import Alternatives, FailurePolicy, GoTo, Repeat, StepFields
 from dock_gateway.http.bodies import read_model
@@ -76,11 +75,8 @@ def _read(fields: dict[str, Any], path: str) -> StepFields:
     Raises:
         InvalidField: It is none.
     """
-    try:
+    with fields_of_a_message(path):
         return read_model(StepFields, fields)
-    except InvalidField as error:
-        errors = [replace(each, path=".".join(filter(None, (path, each.path)))) for each in error.errors]
-        raise InvalidField(errors) from None
 
 
 def _require_names(program: Sequence[StepEntry]) -> None:
@@ -159,7 +155,7 @@ def fail_step(mission: MissionEntry, error: Reason, now: datetime) -> MissionEnt
     index: int | None = mission.step
     mission = _leave(mission)
     while index is not None:
-        mission = _mark(mission, index, status=StepStatus.FAILED, finished_at=now, error=error)
+        mission = mission.with_step(index, status=StepStatus.FAILED, finished_at=now, error=error)
         mission = _skip(mission, range(index + 1, _behind(mission.steps, index)))
         policy, other = mission.steps[index].on_failure, _next_alternative(mission.steps, index)
         if isinstance(policy, GoTo):
@@ -176,7 +172,7 @@ def end(mission: MissionEntry, status: MissionStatus, now: datetime) -> MissionE
     """Return a mission that has ended, with the steps that it was inside of."""
     for index in _around(mission.steps, mission.step):
         if mission.steps[index].status is StepStatus.RUNNING:
-            mission = _mark(mission, index, status=StepStatus.CANCELED, finished_at=now)
+            mission = mission.with_step(index, status=StepStatus.CANCELED, finished_at=now)
     return mission.but(status=status, held_for=None, pausing=False, finished_at=now)
 
 
@@ -210,7 +206,7 @@ def _after(mission: MissionEntry, index: int, status: StepStatus, now: datetime)
         return _again(mission, parent, now)
     else:
         status = StepStatus.SUCCEEDED
-    return _after(_mark(mission, parent, status=status, finished_at=now), parent, status, now)
+    return _after(mission.with_step(parent, status=status, finished_at=now), parent, status, now)
 
 
 def _again(mission: MissionEntry, index: int, now: datetime) -> MissionEntry:
@@ -220,10 +216,10 @@ def _again(mission: MissionEntry, index: int, now: datetime) -> MissionEntry:
         return mission
     begins = max(now, block.started_at + ROUND)
     repeat = block.repeat.model_copy(update={"round": block.repeat.round + 1})
-    mission = _mark(mission, index, repeat=repeat, started_at=begins)
+    mission = mission.with_step(index, repeat=repeat, started_at=begins)
     for inside in range(index + 1, _behind(mission.steps, index)):
         new = StepEntry(**mission.steps[inside].asked, attempt=mission.steps[inside].attempt)
-        mission = _mark(mission, inside, **dict(new))
+        mission = mission.with_step(inside, **dict(new))
     mission = _to(mission, index + 1, now)
     return mission.with_step(retry_at=begins) if begins > now else mission
 
@@ -235,7 +231,7 @@ def _jump(mission: MissionEntry, index: int, name: str, now: datetime) -> Missio
         raise AssertionError(f"there is no step {name}")
     for left in _around(mission.steps, index):
         if target >= _behind(mission.steps, left):
-            mission = _mark(mission, left, status=StepStatus.FAILED, finished_at=now)
+            mission = mission.with_step(left, status=StepStatus.FAILED, finished_at=now)
     return _to(_skip(mission, range(_behind(mission.steps, index), target)), target, now)
 
 
@@ -246,9 +242,5 @@ def _to(mission: MissionEntry, index: int, now: datetime) -> MissionEntry:
 def _skip(mission: MissionEntry, indices: Sequence[int]) -> MissionEntry:
     for index in indices:
         if mission.steps[index].status is StepStatus.WAITING:
-            mission = _mark(mission, index, status=StepStatus.SKIPPED)
+            mission = mission.with_step(index, status=StepStatus.SKIPPED)
     return mission
-
-
-def _mark(mission: MissionEntry, index: int, **fields: object) -> MissionEntry:
-    return mission.but(step=index).with_step(**fields).but(step=mission.step)
