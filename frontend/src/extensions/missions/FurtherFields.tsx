@@ -1,7 +1,8 @@
 import { Checkbox, NumberInput, Text, Textarea, TextInput } from "@mantine/core";
-import { errorAt, INSIDE, MAX_NOTICE, MAX_TIMES, MESSAGE, type StepDraft } from "./draft";
+import { MAX_NOTICE, MAX_TIMES, type StepDraft } from "./draft";
 import classes from "./missions.module.css";
 import { type FieldsProps, Refused } from "./StepFields";
+import { errorAt, INSIDE, MESSAGE } from "./wrong";
 
 /** Where to drive. Several places are kept as they were sent. */
 export function PlaceFields({ step, errors, set }: FieldsProps) {

@@ -24,24 +24,21 @@ import { Section } from "../../ui/Section";
 import {
   bodyOf,
   type Draft,
-  errorAt,
-  isReady,
   MAX_NAME,
   MAX_PRIORITY,
   MAX_STEPS,
   MIN_PRIORITY,
-  missionErrors,
   newStep,
   type StepDraft,
   type StepKind,
   withMoved,
-  withRefused,
 } from "./draft";
 import classes from "./missions.module.css";
 import { useOpenMissions } from "./openMissions";
 import { queuesOf } from "./queue";
 import { createMission } from "./requests";
 import { StepCard, TITLES } from "./StepCard";
+import { errorAt, isReady, missionErrors, withRefused } from "./wrong";
 
 interface MissionFormProps {
   draft: Draft;

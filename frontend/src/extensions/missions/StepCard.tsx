@@ -1,11 +1,12 @@
 import { Group, Text } from "@mantine/core";
 import { useGatewayNow } from "../../clock/clock";
 import { Tool } from "../../ui/Tool";
-import { isBlock, type StepDraft, stepErrors, type Wrong } from "./draft";
+import { isBlock, type StepDraft } from "./draft";
 import { BlockFields, MessageFields, NotifyFields, PlaceFields } from "./FurtherFields";
 import classes from "./missions.module.css";
 import { ActionFields, DockFields, type Edit, Options, Refused, WaitFields } from "./StepFields";
 import { actionWords } from "./words";
+import { stepErrors, type Wrong } from "./wrong";
 
 const UP = "M12 5.5 5 12.5l1.4 1.4 4.6-4.6V19h2V9.3l4.6 4.6 1.4-1.4Z";
 const DOWN = "M12 18.5l7-7-1.4-1.4-4.6 4.6V5h-2v9.7l-4.6-4.6L5 11.5Z";

@@ -19,8 +19,6 @@ import { CommandErrorAlert } from "../../ui/errors";
 import { useAnswer } from "../../ui/requests";
 import { useLatest } from "../../ui/useLatest";
 import {
-  errorAt,
-  goalOf,
   isBlock,
   MAX_STEP_NAME,
   MAX_TIMEOUT_S,
@@ -30,11 +28,10 @@ import {
   MIN_TRIES,
   type StepDraft,
   type WaitKind,
-  type Wrong,
-  withGoal,
 } from "./draft";
 import classes from "./missions.module.css";
 import { optionWords, secondsWords } from "./words";
+import { errorAt, goalOf, type Wrong, withGoal } from "./wrong";
 
 /** Changes a step. */
 export type Edit = (edit: (before: StepDraft) => StepDraft) => void;

@@ -12,18 +12,11 @@ import { withField } from "../../../src/actions/form/draft";
 import {
   bodyOf,
   draftOf,
-  errorAt,
   exampleMission,
-  goalOf,
-  isReady,
-  missionErrors,
   newMission,
   newStep,
   type StepKind,
-  stepErrors,
-  withGoal,
   withMoved,
-  withRefused,
 } from "../../../src/extensions/missions/draft";
 import { queuesOf, withMission } from "../../../src/extensions/missions/queue";
 import type { Mission, MissionStep } from "../../../src/extensions/missions/requests";
@@ -37,6 +30,15 @@ import {
   stepPlace,
   stepWords,
 } from "../../../src/extensions/missions/words";
+import {
+  errorAt,
+  goalOf,
+  isReady,
+  missionErrors,
+  stepErrors,
+  withGoal,
+  withRefused,
+} from "../../../src/extensions/missions/wrong";
 import { robot } from "../../events";
 import { fakeGateway, renderPage } from "../../page";
 
