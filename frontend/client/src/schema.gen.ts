@@ -486,14 +486,14 @@ export interface paths {
         };
         /**
          * List Holds
-         * @description List the robots that were stopped while a rule was on: no rule docks them until they are released from here.
+         * @description List the robots that were stopped while a rule was on: their automatic docking waits until it is continued.
          */
         get: operations["list_holds"];
         put?: never;
         post?: never;
         /**
          * End Hold
-         * @description Let the rules go on with a robot that was stopped; also if none is held. A stop has to be released before.
+         * @description Continue the automatic docking of a robot that was stopped; also if it does not wait. Release the stop first.
          */
         delete: operations["end_hold"];
         options?: never;
@@ -3785,7 +3785,7 @@ export interface components {
         };
         /**
          * Hold
-         * @description A robot that was stopped: no rule docks it until somebody lets the rules go on.
+         * @description A robot that was stopped: its automatic docking waits until a person continues it.
          */
         Hold: {
             /**

@@ -24,7 +24,7 @@ class FactReader:
         activity: Since when robots stand still.
         shared: Returns the robots that may be other names of one robot.
         at_work: Returns whether a robot has work that must not be interrupted.
-        held: Returns whether a robot was stopped, and nobody has let the rules go on since.
+        held: Returns whether a robot was stopped, and no person has continued its automatic docking since.
     """
 
     def __init__(

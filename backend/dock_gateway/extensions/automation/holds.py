@@ -1,4 +1,4 @@
-"""Robots that somebody has stopped: no rule docks them until somebody lets the rules go on (ISO 3691-4)."""
+"""Robots that were stopped: their automatic docking waits until a person continues it (ISO 3691-4)."""
 
 from typing import Any
 
@@ -12,8 +12,8 @@ from dock_gateway.storage.shared_entries import SharedEntries
 class Holds:
     """The holds of all gateways that share the history, by robot.
 
-    A released stop does not make a robot move: automatic docking goes on when somebody says so, or has driven the robot
-    with a goal that succeeded.
+    A released stop does not make a robot move: a person continues its automatic docking, or has sent it a goal since
+    that succeeded.
 
     Args:
         robots: The robots.
@@ -37,7 +37,7 @@ class Holds:
         self._entries.put(robot, HoldEntry(held_at=utc_now()))
 
     def on_end(self, goal: Goal) -> None:
-        """Let the rules go on with a robot that somebody has driven since."""
+        """Continue the automatic docking of a robot whose goal has succeeded, unless a rule or a mission sent it."""
         robot = self._robots.owner(goal.action_name)
         hold = None if robot is None else self._entries.get(robot.namespace)
         if robot is None or hold is None or goal.origin == "automation":
@@ -46,7 +46,7 @@ class Holds:
             self._entries.put(robot.namespace, None)
 
     async def end(self, robot: str) -> None:
-        """Let the rules go on with a robot, at every gateway that shares the history.
+        """Continue the automatic docking of a robot, at every gateway that shares the history.
 
         Raises:
             Unavailable: The history does not answer (`history_unavailable`); the robot stays where it is.

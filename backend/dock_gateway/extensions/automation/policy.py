@@ -46,7 +46,7 @@ class RobotFacts:
         stopped: Which stop is latched for it, in words; None if none is.
         still_since: Since when it was not seen to move or to run a goal, in seconds on a monotonic clock;
             None if its velocity is not heard.
-        held: Whether it was stopped, and nobody has let the rules go on since.
+        held: Whether it was stopped, and no person has continued its automatic docking since.
         person_at: When a person last canceled a goal of it, on the same clock; None if never.
         failed_at: When its last docking goal ended, if it did not succeed.
     """

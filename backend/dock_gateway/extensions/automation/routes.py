@@ -110,13 +110,13 @@ async def list_decisions(
 @router.get("/holds")
 @operation(Role.VIEWER, Scope.LISTED)
 async def list_holds(rules: Part[DockingRules], grant: TheGrant) -> Answer[HoldList]:
-    """List the robots that were stopped while a rule was on: no rule docks them until they are released from here."""
+    """List the robots that were stopped while a rule was on: their automatic docking waits until it is continued."""
     return json_response({"holds": [hold for hold in rules.holds.documents() if grant.covers_robot(hold["robot"])]})
 
 
 @router.delete("/holds", status_code=204)
 @operation(Role.SUPERVISOR, Scope.ROBOT, errors=(404,))
 async def end_hold(rules: Part[DockingRules], robots: Part[RobotRegistry], robot: RobotQuery = None) -> Response:
-    """Let the rules go on with a robot that was stopped; also if none is held. A stop has to be released before."""
+    """Continue the automatic docking of a robot that was stopped; also if it does not wait. Release the stop first."""
     await rules.holds.end(robots.find(robot))
     return Response(status_code=204)

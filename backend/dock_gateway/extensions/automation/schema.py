@@ -72,7 +72,7 @@ class DecisionList(Schema):
 
 
 class Hold(HoldEntry):
-    """A robot that was stopped: no rule docks it until somebody lets the rules go on."""
+    """A robot that was stopped: its automatic docking waits until a person continues it."""
 
     robot: str
 
