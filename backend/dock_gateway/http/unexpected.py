@@ -57,7 +57,7 @@ def known_conditions(names: Collection[str]) -> Callable[[Request], Awaitable[No
     async def check(request: Request) -> None:
         unknown = [name for name in CONDITIONS if name in request.headers and name not in names]
         if unknown:
-            expected = f"no {{}}: {'only ' + ', '.join(names) + ' counts' if names else 'this has no versions'} here"
-            raise InvalidField([FieldError(name, expected.format(name), "got one", "header") for name in unknown])
+            why = f"only {', '.join(names)} counts here" if names else "this has no versions here"
+            raise InvalidField([FieldError(name, f"no {name}: {why}", "got one", "header") for name in unknown])
 
     return check
