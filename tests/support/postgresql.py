@@ -4,7 +4,6 @@ import importlib.util
 import os
 import shutil
 import signal
-import socket
 import subprocess
 import tempfile
 import time
@@ -13,6 +12,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from tests.support.processes import free_port
 from tests.support.waiting import PATIENCE
 
 # PostgreSQL refuses to run as root.
@@ -128,10 +128,7 @@ def running_postgresql() -> Iterator[PostgreSQL]:
             "--no-sync",
         ]
         subprocess.run([*initdb, "--locale=C.UTF-8"], user=USER, check=True, capture_output=True, cwd="/")
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            port = probe.getsockname()[1]
-        server = PostgreSQL(found, folder, port)
+        server = PostgreSQL(found, folder, free_port())
         server.start()
         try:
             yield server

@@ -1,6 +1,7 @@
 """Processes under test: started with a ROS environment of their own, read line by line, always ended."""
 
 import os
+import random
 import signal
 import socket
 import subprocess
@@ -20,6 +21,8 @@ PATIENT_CLIENT = ("--timeout", f"{PATIENCE:g}")
 GONE_WITHIN = 6.0
 # What Fast DDS writes to standard error about its transport through shared memory.
 FAST_DDS = "RTPS_TRANSPORT_SHM"
+# In an order of each process's own: the workers of a run must not meet at the same port.
+_ports = iter(random.SystemRandom().sample(range(10_000, 32_768), k=22_768))
 
 
 def ros_environment(domain: int, **more: str) -> dict[str, str]:
@@ -36,12 +39,24 @@ def ros_environment(domain: int, **more: str) -> dict[str, str]:
     }
 
 
-def free_port() -> int:
-    """A port of this machine that nothing listens on now."""
-    with socket.socket() as listener:
-        listener.bind(("127.0.0.1", 0))
-        port: int = listener.getsockname()[1]
-        return port
+def free_port(kind: socket.SocketKind = socket.SOCK_STREAM) -> int:
+    """A port of this machine that nothing listens on now, another one at each call.
+
+    It is none of those that the system gives to connections (32768 and above on Linux): one that is free now would
+    be taken by the next connection of any program, before our server listens on it.
+    """
+    return next(port for port in _ports if _is_free(port, kind))
+
+
+def _is_free(port: int, kind: socket.SocketKind) -> bool:
+    with socket.socket(type=kind) as listener:
+        if kind is socket.SOCK_STREAM:
+            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # as servers do: fine if one has just ended
+        try:
+            listener.bind(("127.0.0.1", port))
+        except OSError:
+            return False
+        return True
 
 
 def is_stopped(pid: int) -> bool:

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from tests.support.gateway import running_gateway, running_servers
-from tests.support.processes import Process
+from tests.support.processes import Process, free_port
 from tests.support.waiting import wait_until
 
 pytest.importorskip("irobot_create_msgs", reason="`make test` installs the interface packages of tests/interfaces")
@@ -24,9 +24,7 @@ LIBRARIES = f"{sys.prefix}/lib:{sysconfig.get_path('purelib')}/ros_fastrtps.libs
 @contextmanager
 def running_discovery_server(number: int) -> Iterator[str]:
     """A discovery server on this machine, and its address."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
+    port = free_port(socket.SOCK_DGRAM)
     command = (str(SERVER), "-i", str(number), "-l", "127.0.0.1", "-p", str(port))
     with Process(*command, env={**os.environ, "LD_LIBRARY_PATH": LIBRARIES}) as process:
         process.wait_for("Server is running")

@@ -21,7 +21,7 @@ from websockets.sync.client import ClientConnection
 from tests.support.certificates import Authority, Pair
 from tests.support.clients import HttpClient, connect, server_sent_events
 from tests.support.gateway import LOW, RunningGateway, Stream, ready_gateway, running_gateway
-from tests.support.processes import BIN, GONE_WITHIN, Process, ros_environment
+from tests.support.processes import BIN, GONE_WITHIN, Process, free_port, ros_environment
 from tests.support.waiting import PATIENCE, wait_until
 
 pytestmark = pytest.mark.ros
@@ -230,9 +230,7 @@ def test_the_health_check_of_the_image(gateway: RunningGateway, pair: Pair) -> N
 
 
 def test_up_announces_itself(domain: int, pair: Pair) -> None:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
+    port = free_port()
     options = (f"--tls-cert={pair.cert}", f"--tls-key={pair.key}", f"--port={port}", "--database-url=memory:")
     with Process(str(BIN / "dock-gateway"), "up", "--no-sim", *options, env=ros_environment(domain)) as process:
         process.wait_for(f"dock-gateway is ready: open https://127.0.0.1:{port}")
