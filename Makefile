@@ -104,7 +104,7 @@ format: setup ## format Python and TypeScript, and write the tables of parameter
 lock: $(UV) ## write the locks anew from the pyproject.toml files
 	$(UV) pip compile --quiet --universal --python-version 3.11 --generate-hashes --upgrade \
 	    --no-emit-index-url --no-annotate --no-header \
-	    --no-emit-package action-tutorials-interfaces --no-emit-package dock-gateway-tf2-msgs --group dev --extra mcp --extra traces pyproject.toml -o requirements.lock
+	    --no-emit-package action-tutorials-interfaces --no-emit-package dock-gateway-tf2-msgs --group dev --extra mcp --extra postgresql --extra traces pyproject.toml -o requirements.lock
 	scripts/lock-build-requirements
 	echo zensical | $(UV) pip compile --quiet --universal --python-version 3.11 --generate-hashes --upgrade \
 	    --no-emit-index-url --no-annotate --no-header - -o docs-requirements.lock

@@ -1,6 +1,7 @@
 """Settings: from the environment and options, checked, and every one documented."""
 
 import re
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -321,3 +322,10 @@ def test_the_ports_are_the_settings_that_say_so() -> None:
     assert (settings.ports, settings.own_ports) == ({"port": 8000, "pair_port": 9000}, {9000: "/pair"})
     with pytest.raises(ValidationError, match="different ports"):
         Further(pair_port=8000)
+
+
+def test_postgresql_without_its_driver(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "asyncpg", None)
+    with pytest.raises(ValidationError, match=r"dock-gateway\[postgresql\] is not installed"):
+        Settings(database_url="postgresql://db/history")
+    assert Settings(database_url="memory:").database_url == "memory:"

@@ -1,9 +1,10 @@
 """The settings of what is stored: where, and for how long."""
 
+import importlib.util
 from pathlib import Path
 from typing import Annotated, ClassVar
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from dock_gateway.setting_groups.group import SettingsGroup
 from dock_gateway.setting_types import TUNING, Days, Megabytes
@@ -19,7 +20,8 @@ class HistorySettings(SettingsGroup):
         pattern=r"^(memory:|sqlite:///.+|postgres(ql)?://.*)?$",
         description="URL of the history database: `postgresql://user@host/name`, `sqlite:////path/to/history.db`, or "
         "`memory:`. Empty: SQLite, `history-<ROS_DOMAIN_ID>.db` in the user's data directory, or "
-        "`history-<ROS_DOMAIN_ID>-localhost.db` if discovery is limited to this machine.",
+        "`history-<ROS_DOMAIN_ID>-localhost.db` if discovery is limited to this machine. PostgreSQL needs "
+        "`dock-gateway[postgresql]`.",
     )
     spool_path: Path | None = Field(
         None,
@@ -72,3 +74,10 @@ class HistorySettings(SettingsGroup):
         description="Maximum number of feedback and battery events that wait for the database. Beyond it, the oldest "
         "are dropped.",
     )
+
+    @field_validator("database_url")
+    @classmethod
+    def _check_driver(cls, url: str) -> str:
+        if url.startswith("postgres") and importlib.util.find_spec("asyncpg") is None:
+            raise ValueError("dock-gateway[postgresql] is not installed")
+        return url
