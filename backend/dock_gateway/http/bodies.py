@@ -8,14 +8,23 @@ from typing import TYPE_CHECKING, Annotated, Any, Generic, TypeVar
 
 import orjson
 from fastapi import Depends, Request
-from pydantic import AfterValidator, BaseModel, ValidationError, WithJsonSchema
+from pydantic import AfterValidator, BaseModel, Field, ValidationError, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
 from dock_gateway.core.errors import FieldError, InvalidField, got
 from dock_gateway.core.namespace import is_namespace, normalize_namespace
 from dock_gateway.http.principal import read_signed_json
 from dock_gateway.http.queries import EVENT_ID
-from dock_gateway.http.requests import LINE_OF_TEXT, MAX_GROUP, MAX_TAG, ROBOT_PATTERN, is_name, name_schema, read_json
+from dock_gateway.http.requests import (
+    LINE_OF_TEXT,
+    MAX_GROUP,
+    MAX_TAG,
+    ROBOT_PATTERN,
+    SLUG,
+    is_name,
+    name_schema,
+    read_json,
+)
 from dock_gateway.setting_types import LONGEST_NAME, TOPIC
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
@@ -167,6 +176,7 @@ FORMS = {
     f"^{EVENT_ID.pattern}$": "the id of an event",
     f"^{TOPIC.pattern}$": "a name on the ROS graph, such as /robot1/dock",
     r"^[^\x00]*$": "text without NUL",
+    f"^{SLUG.pattern}$": "up to 40 lower-case letters, digits and hyphens between them",
 }
 # What is expected of the length of a list or a text, by pydantic's type of the error.
 LENGTHS = {
@@ -225,6 +235,8 @@ def _unique(values: tuple[str, ...]) -> tuple[str, ...]:
 Name60 = Annotated[str, _name(60), WithJsonSchema(name_schema(60))]
 TagName = Annotated[str, _name(MAX_TAG), WithJsonSchema(name_schema(MAX_TAG))]
 GroupName = Annotated[str, _name(MAX_GROUP), WithJsonSchema(name_schema(MAX_GROUP))]
+# An id that people choose, such as that of a place.
+Slug = Annotated[str, Field(pattern=f"^{SLUG.pattern}$")]
 # The namespace of a robot, which need not be on the ROS graph.
 RobotName = Annotated[
     str,

@@ -16,10 +16,14 @@ from dock_gateway.extensions.missions.book import MAX_MISSIONS, MissionBook
 from dock_gateway.extensions.missions.messages import Messages
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
 from dock_gateway.extensions.missions.missions import Missions
+from dock_gateway.extensions.missions.places.place import PlaceBody, PlaceEntry
+from dock_gateway.extensions.missions.places.places import MAX_PLACES, Places
 from dock_gateway.extensions.missions.step import KINDS
+from dock_gateway.extensions.missions.step_kinds import Waypoint
 from dock_gateway.goals.known_robots import KnownRobots
 from dock_gateway.graph.publishing import FoundTopic, Publishing
 from dock_gateway.graph.service_calls import FoundService, ServiceCalls
+from dock_gateway.storage.shared_entries import SharedBook
 from tests.extensions.missions.examples import DOCK, queued
 from tests.support.history import HistoryInMemory
 from tests.support.robot_actions import make_known_robots
@@ -75,6 +79,7 @@ class Client(RouteClient):
             actions=cast("Any", SimpleNamespace(get=lambda name: self if name == "/fibonacci" else None)),
             robot_actions=actions,
             messages=Messages(cast("Any", Services()), cast("Any", Topics())),
+            places=Places(SharedBook(history.documents("place", PlaceEntry), "place", MAX_PLACES)),
             interlock=cast("Any", self),
         )
         super().__init__({Missions: self.missions, KnownRobots: make_known_robots(history, "/", "/robot2")})
@@ -169,6 +174,12 @@ def test_a_mission_is_queued_and_canceled(client: Client) -> None:
         ([{"navigate": {"poses": []}}], "steps.0.navigate.poses"),
         ([{"navigate": {"pose": {"x": 1, "y": 2}, "poses": [{"x": 1, "y": 2}]}}], "steps.0.navigate"),
         ([{"navigate": {"pose": {"x": 1e9, "y": 2}}}], "steps.0.navigate.pose.x"),
+        ([{"navigate": {"place": "Shelf A3"}}], "steps.0.navigate.place"),
+        ([{"navigate": {"place": "shelf", "pose": {"x": 1, "y": 2}}}], "steps.0.navigate"),
+        (
+            [{"dock": {}}, {"repeat": {"steps": [{"navigate": {"place": "shelf"}}]}}],
+            "steps.1.repeat.steps.0.navigate.place",
+        ),
         ([{"call": {"service": "reset"}}], "steps.0.call.service"),
         ([{"call": {"service": "/reset", "request": {"data": 3}}}], "steps.0.call.request.data"),
         ([{"call": {"service": "/reset", "type": "a/srv/B"}}], "steps.0.call.type"),
@@ -295,6 +306,18 @@ def _only(step: dict[str, Any]) -> str:
     return kind
 
 
+def test_a_place_has_to_be_there(client: Client) -> None:
+    drive = {"steps": [{"navigate": {"place": "shelf"}}]}
+    assert client.http.portal is not None
+    assert client.post(drive, 422)["errors"][0]["expected"] == "the id of a place; there is none yet"
+    for place_id in ("shelf", "hall"):
+        client.http.portal.call(client.missions.places.replace, place_id, PlaceBody(x=1, y=2).entry())
+    step = client.post(drive)["steps"][0]
+    assert (step["navigate"]["place"], step["drives_to"]) == ("shelf", None)
+    other = {"steps": [{"navigate": {"place": "desk"}}]}
+    assert client.post(other, 422)["errors"][0]["expected"] == "the id of a place: hall, shelf"
+
+
 def test_where_a_robot_drives() -> None:
     actions = Client().actions
     there = queued({"navigate": {"pose": {"x": 1, "y": 2, "yaw": math.pi, "frame": "hall"}}}).steps[0]
@@ -302,6 +325,12 @@ def test_where_a_robot_drives() -> None:
     frame, *numbers = _flat((there.request or {})["pose"])
     assert frame == "hall"
     assert numbers == pytest.approx([1, 2, 1, 0])
+    place = queued({"navigate": {"place": "shelf"}}).steps[0]
+    assert action_of(place, "/robot1", actions) == "/robot1/navigate_to_pose"
+    with pytest.raises(ValueError, match="where the place shelf is"):
+        place.request  # noqa: B018 - nothing is sent by it
+    found = place.model_copy(update={"drives_to": Waypoint(x=1, y=2, frame="hall")})
+    assert _flat((found.request or {})["pose"]) == ["hall", 1, 2, 0, 1]
     through = queued({"navigate": {"poses": [{"x": 1, "y": 2}, {"x": 3, "y": 4, "yaw": math.pi / 2}]}}).steps[0]
     assert action_of(through, "/", actions) == "/navigate_through_poses"
     first, last = map(_flat, (through.request or {})["poses"])

@@ -16,7 +16,11 @@ from dock_gateway.core.share import EVERYTHING
 from dock_gateway.extensions.missions import progress
 from dock_gateway.extensions.missions.book import MissionBook
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, StepEntry
+from dock_gateway.extensions.missions.places.place import PlaceBody, PlaceEntry
+from dock_gateway.extensions.missions.places.places import Places
 from dock_gateway.extensions.missions.runner import MissionRunner
+from dock_gateway.extensions.missions.step_kinds import Waypoint
+from dock_gateway.storage.shared_entries import SharedBook
 from tests.extensions.missions.examples import CALL, DOCK, FIBONACCI, NOON, PUBLISH, queued
 from tests.support.entries import EntriesInMemory, SharedStore
 from tests.support.virtual import in_virtual_time
@@ -40,9 +44,11 @@ class Server:
         self.messages = 0
         self.fails: list[Exception] = []
         self.there = True
+        self.read: Any = None  # the goal that was read last
         self.listeners: list[Callable[[Goal], None]] = []
 
     async def read_goal(self, request: object, _: str) -> object:
+        self.read = request
         return request
 
     def read_docking_request(self, request: object, _: str) -> object:
@@ -121,6 +127,7 @@ class Site:
 
     def __init__(self, gateways: int = 1) -> None:
         self.store, self.past = SharedStore[MissionEntry](), EntriesInMemory[MissionEntry]()
+        self.places = Places(SharedBook(EntriesInMemory[PlaceEntry](), "place", 10))
         self.server = Server()
         self.held = False
         self.runners = [self.open() for _ in range(gateways)]
@@ -146,6 +153,7 @@ class Site:
             goals=cast("Any", server),
             history=cast("Any", server),
             messages=cast("Any", server),
+            places=self.places,
             interlock=cast("Any", SimpleNamespace(holds=lambda _: self.held, require_released=self.require_released)),
             share=EVERYTHING,
             clock=now,
@@ -359,3 +367,30 @@ async def test_a_message_whose_gateway_was_killed_is_not_sent_again() -> None:
     assert (other.book.all()["a"].held_for, site.server.messages, site.server.goals) == ("lost", 1, {})
     await other.book.amend("a", UNLIMITED, lambda mission: progress.skip(mission, now()))
     assert (await site.ended()).status is MissionStatus.SUCCEEDED
+
+
+@in_virtual_time
+async def test_a_place_is_where_it_is_when_the_step_begins() -> None:
+    site = Site()
+    await site.places.replace("shelf", PlaceBody(x=1, y=2).entry())
+    await site.add({"wait": {"seconds": 5}}, {"navigate": {"place": "shelf"}})
+    await site.places.replace("shelf", PlaceBody(x=3, y=4).entry())
+    await asyncio.sleep(10)
+    await site.places.replace("shelf", PlaceBody(x=5, y=6).entry())  # its goal is on its way
+    mission = await site.ended()
+    assert mission.status is MissionStatus.SUCCEEDED
+    assert mission.steps[1].drives_to == Waypoint(x=3, y=4)
+    assert site.server.read["pose"]["pose"]["position"] == {"x": 3, "y": 4}
+
+
+@in_virtual_time
+async def test_a_place_that_was_removed_fails_its_step() -> None:
+    site = Site()
+    await site.places.replace("shelf", PlaceBody(x=1, y=2).entry())
+    drive = {"navigate": {"place": "shelf"}}
+    await site.add({"wait": {"seconds": 5}}, drive | {"on_failure": "next"}, drive)
+    await site.places.remove("shelf")
+    mission = await site.ended()
+    assert (mission.status, [step.status for step in mission.steps[1:]]) == (MissionStatus.FAILED, 2 * ["failed"])
+    assert mission.error is not None
+    assert (mission.error.code, site.server.goals) == ("place_not_found", {})

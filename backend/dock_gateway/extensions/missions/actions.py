@@ -4,7 +4,7 @@ from typing import Any
 
 from dock_gateway.core.filters import prefix_of
 from dock_gateway.core.grant import Grant
-from dock_gateway.extensions.missions.mission import MissionEntry
+from dock_gateway.extensions.missions.mission import MissionEntry, StepEntry
 from dock_gateway.extensions.missions.step import SingleStep
 from dock_gateway.goals.action import Action
 from dock_gateway.goals.robot_actions import RobotActions
@@ -41,7 +41,7 @@ def covers(mission: MissionEntry, grant: Grant, robot_actions: RobotActions) -> 
     )
 
 
-async def read_goal(step: SingleStep, action: Action, place: str = "") -> Any:
+async def read_goal(step: StepEntry, action: Action, place: str = "") -> Any:
     """Return the goal message of a step.
 
     Args:

@@ -14,6 +14,9 @@ from dock_gateway.extensions.missions.messages import Messages
 from dock_gateway.extensions.missions.mission import MissionEntry
 from dock_gateway.extensions.missions.missions import Missions
 from dock_gateway.extensions.missions.notices import NOTICE
+from dock_gateway.extensions.missions.places import routes as of_places
+from dock_gateway.extensions.missions.places.place import PlaceEntry
+from dock_gateway.extensions.missions.places.places import MAX_PLACES, Places
 from dock_gateway.extensions.missions.routes import router
 from dock_gateway.extensions.missions.runner import MissionRunner
 from dock_gateway.extensions.missions.schema import EVENTS
@@ -29,6 +32,7 @@ from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.stop.stopper import Stopper
 from dock_gateway.storage import History
+from dock_gateway.storage.shared_entries import SharedBook
 
 
 @asynccontextmanager
@@ -38,6 +42,7 @@ async def open_missions(parts: Parts) -> AsyncIterator[Missions]:
         robots, actions, robot_actions = parts[RobotRegistry], parts[ActionRegistry], parts[RobotActions]
         history, interlock = parts[History], parts[Interlock]
         messages = Messages(parts[ServiceCalls], parts[Publishing])
+        places = Places(SharedBook(history.documents("place", PlaceEntry), "place", MAX_PLACES))
         book = MissionBook(
             parts[Fanout],
             history.documents("mission", MissionEntry),
@@ -55,6 +60,7 @@ async def open_missions(parts: Parts) -> AsyncIterator[Missions]:
                 goals=parts[Goals],
                 history=history,
                 messages=messages,
+                places=places,
                 interlock=interlock,
                 share=parts[Share],
             ),
@@ -66,6 +72,7 @@ async def open_missions(parts: Parts) -> AsyncIterator[Missions]:
         stack.enter_context(robots.at_work.adding(runner.has_work))
         stack.enter_context(parts[AlertBoard].sources.adding(lambda: book.notices.alerts(robots.namespaces())))
         runner.start()
+        parts.add(Places, places)
         yield Missions(
             book,
             runner,
@@ -73,6 +80,7 @@ async def open_missions(parts: Parts) -> AsyncIterator[Missions]:
             actions=actions,
             robot_actions=robot_actions,
             messages=messages,
+            places=places,
             interlock=interlock,
         )
 
@@ -80,7 +88,7 @@ async def open_missions(parts: Parts) -> AsyncIterator[Missions]:
 extension = Extension(
     "missions",
     open_missions,
-    routes=lambda _: (router,),
+    routes=lambda _: (router, of_places.router),
     events=EVENTS,
     alerts=(NOTICE,),
     errors=CODES,

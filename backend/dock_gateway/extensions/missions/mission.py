@@ -8,6 +8,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from dock_gateway.extensions.missions.step import Alternatives, Repeat, SingleStep
+from dock_gateway.extensions.missions.step_kinds import Waypoint
 from dock_gateway.http.schema import RosName, Schema
 
 # A step of `GET /missions` has what clients sent, and these.
@@ -107,6 +108,7 @@ class StepEntry(StepPlace):
         size: How many of the steps behind it are inside of it.
         status: Its state.
         attempt: How often it was begun; the number of the present try.
+        drives_to: Where the place that it drives to was when this try began.
         goal_id: The goal of this try, once it was accepted.
         started_at: When this try began.
         finished_at: When it ended for the last time.
@@ -119,6 +121,7 @@ class StepEntry(StepPlace):
     size: int = 0
     status: StepStatus = StepStatus.WAITING
     attempt: int = 0
+    drives_to: Waypoint | None = None
     goal_id: str | None = None
     started_at: datetime | None = None
     finished_at: datetime | None = None
@@ -131,6 +134,21 @@ class StepEntry(StepPlace):
         """What clients have sent of it."""
         repeat = self.repeat and self.repeat.model_copy(update={"round": 0})
         return {name: getattr(self, name) for name in (*StepPlace.model_fields, "size")} | {"repeat": repeat}
+
+    @property
+    def request(self) -> dict[str, Any] | None:
+        """The goal, as it was sent; None: that of the action by default.
+
+        Raises:
+            ValueError: It is that of a place, and it is not known where that is.
+        """
+        if self.action is not None:
+            return self.action.goal
+        if self.navigate is None:
+            return self.dock or self.undock or None
+        if self.place is not None and self.drives_to is None:
+            raise ValueError(f"nobody knows where the place {self.place} is")
+        return self.navigate.goal(self.drives_to)
 
     @property
     def has_goal(self) -> bool:

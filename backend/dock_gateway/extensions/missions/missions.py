@@ -12,6 +12,7 @@ from dock_gateway.extensions.missions.actions import action_of, actions_of, read
 from dock_gateway.extensions.missions.book import MissionBook
 from dock_gateway.extensions.missions.messages import Messages
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
+from dock_gateway.extensions.missions.places.places import Places
 from dock_gateway.extensions.missions.runner import MissionRunner
 from dock_gateway.extensions.missions.schema import MissionBody
 from dock_gateway.goals.registry import ActionRegistry
@@ -30,7 +31,11 @@ class Missions:
         actions: All actions.
         robot_actions: Which of them dock and undock each robot.
         messages: Checks calls and messages.
+        places: The places that steps drive to.
         interlock: The latched stops.
+
+    Attributes:
+        places: The places that steps drive to.
     """
 
     def __init__(
@@ -42,6 +47,7 @@ class Missions:
         actions: ActionRegistry,
         robot_actions: RobotActions,
         messages: Messages,
+        places: Places,
         interlock: Interlock,
     ) -> None:
         self.book = book
@@ -50,13 +56,14 @@ class Missions:
         self._actions = actions
         self._robot_actions = robot_actions
         self._messages = messages
+        self.places = places
         self._interlock = interlock
 
     async def add(self, mission_id: str, body: MissionBody, robot: str | None, grant: Grant) -> Mapping[str, Any]:
         """Queue a mission; return it.
 
         Raises:
-            InvalidField: A goal is not one of its action, or a message not of its type.
+            InvalidField: A place is not there, a goal is not one of its action, or a message not of its type.
             NotAllowed: The grant does not cover an action, or the settings do not name a service or a topic
                 (`not_allowed`).
             NotFound: `robot_not_found`.
@@ -74,12 +81,14 @@ class Missions:
         return self.book.describe(mission_id, added)
 
     async def _require_goals(self, mission: MissionEntry) -> None:
-        """Check the goals and messages of the steps whose servers are there; the others are checked when they are sent.
+        """Check the places, and the goals and messages of the steps whose servers are there, as far as that goes now.
 
         Raises:
-            InvalidField: One is not a goal of its action, or a message of its type; its path begins with the step's.
+            InvalidField: A place is not there, or one is not a goal of its action or a message of its type; its path
+                begins with the step's.
         """
-        for step in mission.steps:
+        for each in mission.steps:
+            step = await self.places.require(each, f"steps.{each.path}")
             name = action_of(step, mission.robot, self._robot_actions)
             action = None if name is None else self._actions.get(name)
             if action is not None:

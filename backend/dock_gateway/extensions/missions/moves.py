@@ -6,6 +6,7 @@ from enum import StrEnum
 
 from dock_gateway.core.goal import Goal
 from dock_gateway.extensions.missions.mission import MissionEntry, Reason
+from dock_gateway.extensions.missions.step_kinds import Waypoint
 
 
 class WaitsFor(StrEnum):
@@ -48,6 +49,7 @@ class Facts:
         stopped: Whether a stop holds for it, or has come since the last look.
         other_goal: Whether a goal runs on it that is not this mission's.
         battery: Its charge, 0 to 1; None if that is unknown.
+        place: Where the place is that the present step drives to; None if it names none, or there is none.
         goal: The goal of the present step, as far as it is known.
         given_up: Whether that is lost, and canceled should it return.
         sent: The call or message of the present step, if this gateway has begun its try; else None.
@@ -56,6 +58,7 @@ class Facts:
     stopped: bool = False
     other_goal: bool = False
     battery: float | None = None
+    place: Waypoint | None = None
     goal: Goal | None = None
     given_up: bool = False
     sent: Sent | None = None

@@ -61,12 +61,16 @@ def _begin(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
     begun = mission.with_step(
         status=StepStatus.RUNNING,
         attempt=step.attempt + 1,
+        drives_to=facts.place,
         goal_id=None,
         started_at=now,
         finished_at=None,
         retry_at=None,
         error=None,
     )
+    if step.place is not None and facts.place is None:
+        gone = Reason(code="place_not_found", detail=f"there is no place {step.place} any more")
+        return Change(fail(begun, gone, now))
     if step.waits_for_person:
         begun = begun.model_copy(update={"status": MissionStatus.HELD, "held_for": HoldReason.PERSON})
     return Change(begun)

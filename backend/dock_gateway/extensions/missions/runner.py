@@ -14,8 +14,9 @@ from dock_gateway.extensions.missions import progress
 from dock_gateway.extensions.missions.actions import action_of, read_goal
 from dock_gateway.extensions.missions.book import MissionBook
 from dock_gateway.extensions.missions.messages import Messages
-from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, Reason
+from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, Reason, StepStatus
 from dock_gateway.extensions.missions.moves import Cancel, Change, Facts, Send, Sent, Wait, WaitsFor
+from dock_gateway.extensions.missions.places.places import Places
 from dock_gateway.extensions.missions.progress import begins_message, next_move
 from dock_gateway.goals.docks import Docks
 from dock_gateway.goals.goals import Goals
@@ -44,6 +45,7 @@ class MissionRunner:
         goals: Their goals.
         history: Finds goals that were sent before a restart.
         messages: Calls services, and publishes messages.
+        places: The places that steps drive to.
         interlock: The latched stops.
         share: The robots that this gateway serves.
         clock: Returns the time.
@@ -60,6 +62,7 @@ class MissionRunner:
         goals: Goals,
         history: History,
         messages: Messages,
+        places: Places,
         interlock: Interlock,
         share: Share,
         clock: Callable[[], datetime] = utc_now,
@@ -72,6 +75,7 @@ class MissionRunner:
         self._goals = goals
         self._history = history
         self._messages = messages
+        self._places = places
         self._interlock = interlock
         self._share = share
         self._clock = clock
@@ -209,6 +213,7 @@ class MissionRunner:
             stopped=robot in self._stopped or self._interlock.holds(robot),
             other_goal=any(self._is_of(robot, each.action_name) for each in others),
             battery=battery,
+            place=await self._places.pose_of(step) if step.status is StepStatus.WAITING else None,
             goal=goal,
             given_up=goal is not None and goal.goal_id in self._given_up,
             sent=self._sent.get(_key(mission_id, mission)),

@@ -17,6 +17,7 @@ from dock_gateway.extensions.missions.mission import (
 from dock_gateway.extensions.missions.moves import WaitsFor
 from dock_gateway.extensions.missions.program import MAX_STEPS, compile_steps
 from dock_gateway.extensions.missions.step import StepFields
+from dock_gateway.extensions.missions.step_kinds import Waypoint
 from dock_gateway.http.bodies import Name60
 from dock_gateway.http.schema import Schema
 
@@ -71,11 +72,12 @@ class MissionStep(StepPlace):
     """A step, and how far it has come. Steps that are inside of it come behind it.
 
     `attempt` is the number of the present try, `goal_id` its goal once that was accepted, and `error` says what the
-    last try ended with.
+    last try ended with. `drives_to` is where the place that it names was when that try began.
     """
 
     status: StepStatus
     attempt: int
+    drives_to: Waypoint | None
     goal_id: str | None
     started_at: datetime | None
     finished_at: datetime | None

@@ -108,13 +108,9 @@ class SingleStep(Schema):
         return self.timeout_s or ANSWER_WITHIN
 
     @property
-    def request(self) -> dict[str, Any] | None:
-        """The goal, as it was sent; None: that of the action by default."""
-        if self.action is not None:
-            return self.action.goal
-        if self.navigate is not None:
-            return self.navigate.goal()
-        return self.dock or self.undock or None
+    def place(self) -> str | None:
+        """The id of the place that it drives to, if it names one."""
+        return None if self.navigate is None else self.navigate.place
 
     @property
     def waits_for_person(self) -> bool:

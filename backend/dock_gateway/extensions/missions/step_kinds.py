@@ -6,7 +6,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, Field, Strict, WithJsonSchema, model_validator
 
-from dock_gateway.http.bodies import expected
+from dock_gateway.http.bodies import Slug, expected
 from dock_gateway.http.queries import TIME_PATTERN, Time
 from dock_gateway.http.schema import RosName, Schema
 from dock_gateway.setting_types import LONGEST_NAME, TOPIC
@@ -61,25 +61,27 @@ class Waypoint(Schema):
 
 
 class NavigateStep(Schema):
-    """Where nav2 drives the robot: to a `pose`, or through `poses` to the last one."""
+    """Where nav2 drives the robot: to a `place` by its id, to a `pose`, or through `poses` to the last one."""
 
+    place: Slug | None = None
     pose: Waypoint | None = None
     poses: Annotated[list[Waypoint], Field(min_length=1, max_length=MAX_POSES)] | None = None
 
     @model_validator(mode="after")
     def _is_one(self) -> Self:
-        require_one(self, "pose", "poses")
+        require_one(self, "place", "pose", "poses")
         return self
 
     @property
     def action(self) -> str:
         """The name of its action in the namespace of its robot."""
-        return "navigate_to_pose" if self.pose is not None else "navigate_through_poses"
+        return "navigate_through_poses" if self.poses is not None else "navigate_to_pose"
 
-    def goal(self) -> dict[str, Any]:
-        """Return it as a goal of its action."""
-        if self.pose is not None:
-            return {"pose": self.pose.stamped()}
+    def goal(self, place: Waypoint | None = None) -> dict[str, Any]:
+        """Return it as a goal of its action; `place` is where its place is, if it has one."""
+        pose = self.pose or place
+        if pose is not None:
+            return {"pose": pose.stamped()}
         return {"poses": [pose.stamped() for pose in self.poses or ()]}
 
 

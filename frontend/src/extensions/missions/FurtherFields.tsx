@@ -1,12 +1,13 @@
-import { Checkbox, NumberInput, Text, Textarea, TextInput } from "@mantine/core";
+import { Checkbox, NativeSelect, NumberInput, Text, Textarea, TextInput } from "@mantine/core";
 import { MAX_NOTICE, MAX_TIMES, type StepDraft } from "./draft";
 import classes from "./missions.module.css";
+import { placeName, usePlaces } from "./places/places";
 import { type FieldsProps, Refused } from "./StepFields";
 import { errorAt, INSIDE, MESSAGE } from "./wrong";
 
 /** Where to drive. Several places are kept as they were sent. */
 export function PlaceFields({ step, errors, set }: FieldsProps) {
-  const { place, places } = step;
+  const { placeId, place, places } = step;
   if (places !== null)
     return (
       <>
@@ -19,37 +20,66 @@ export function PlaceFields({ step, errors, set }: FieldsProps) {
   const change = (part: Partial<StepDraft["place"]>) => set({ place: { ...place, ...part } }, "navigate");
   return (
     <>
-      <div className={classes.fields}>
-        <NumberInput
-          label="X"
-          suffix=" m"
-          value={place.x}
-          error={errorAt(errors, "navigate.pose.x")}
-          onChange={(x) => change({ x })}
-        />
-        <NumberInput
-          label="Y"
-          suffix=" m"
-          value={place.y}
-          error={errorAt(errors, "navigate.pose.y")}
-          onChange={(y) => change({ y })}
-        />
-        <NumberInput
-          label="Heading"
-          suffix="°"
-          value={place.heading}
-          error={errorAt(errors, "navigate.pose.yaw")}
-          onChange={(heading) => change({ heading })}
-        />
-        <TextInput
-          label="Frame"
-          value={place.frame}
-          error={errorAt(errors, "navigate.pose.frame")}
-          onChange={(event) => change({ frame: event.currentTarget.value })}
-        />
-      </div>
-      <Refused errors={errors.filter(({ path }) => !path.startsWith("navigate.pose."))} where="navigate" />
+      <PlaceChoice step={step} errors={errors} set={set} />
+      {placeId === "" && (
+        <div className={classes.fields}>
+          <NumberInput
+            label="X"
+            suffix=" m"
+            value={place.x}
+            error={errorAt(errors, "navigate.pose.x")}
+            onChange={(x) => change({ x })}
+          />
+          <NumberInput
+            label="Y"
+            suffix=" m"
+            value={place.y}
+            error={errorAt(errors, "navigate.pose.y")}
+            onChange={(y) => change({ y })}
+          />
+          <NumberInput
+            label="Heading"
+            suffix="°"
+            value={place.heading}
+            error={errorAt(errors, "navigate.pose.yaw")}
+            onChange={(heading) => change({ heading })}
+          />
+          <TextInput
+            label="Frame"
+            value={place.frame}
+            error={errorAt(errors, "navigate.pose.frame")}
+            onChange={(event) => change({ frame: event.currentTarget.value })}
+          />
+        </div>
+      )}
+      <Refused
+        errors={errors.filter(({ path }) => !/^navigate\.(pose\.|place$)/.test(path))}
+        where="navigate"
+      />
     </>
+  );
+}
+
+/** Which place, of those that are stored; nothing where there is none. */
+function PlaceChoice({ step: { placeId }, errors, set }: FieldsProps) {
+  const { data: places = [] } = usePlaces();
+  if (places.length === 0 && placeId === "") return null;
+  const known = places.map((place) => ({ value: place.id, label: placeName(place) }));
+  const gone = placeId !== "" && !places.some(({ id }) => id === placeId);
+  return (
+    <div className={classes.fields}>
+      <NativeSelect
+        label="Drive to"
+        value={placeId}
+        error={errorAt(errors, "navigate.place")}
+        onChange={(event) => set({ placeId: event.currentTarget.value }, "navigate")}
+        data={[
+          { value: "", label: "A position" },
+          ...known,
+          ...(gone ? [{ value: placeId, label: placeId }] : []),
+        ]}
+      />
+    </div>
   );
 }
 

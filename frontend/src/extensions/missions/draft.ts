@@ -55,6 +55,8 @@ export interface StepDraft {
   message: Json;
   /** Null until somebody changes the goal. */
   goal: GoalForm | null;
+  /** The id of the place to drive to; empty for a pose. */
+  placeId: string;
   /** Where to drive, in metres and degrees. */
   place: { x: number | string; y: number | string; heading: number | string; frame: string };
   /** How often; empty: for ever. */
@@ -115,6 +117,7 @@ export function newStep(kind: StepKind, now: number, change: Partial<StepDraft> 
     action: "",
     message: {},
     goal: null,
+    placeId: "",
     place: { x: "", y: "", heading: 0, frame: "map" },
     places: null,
     target: "",
@@ -221,7 +224,8 @@ function stepOf(step: MissionStep, all: readonly MissionStep[], now: number): St
   return draft("wait", waitOf(step.wait));
 }
 
-function placeOf({ pose, poses }: NonNullable<MissionStep["navigate"]>): Partial<StepDraft> {
+function placeOf({ place, pose, poses }: NonNullable<MissionStep["navigate"]>): Partial<StepDraft> {
+  if (place !== null) return { placeId: place };
   if (pose === null) return { places: poses };
   const { x, y, yaw, frame } = pose;
   return { place: { x, y, heading: Math.round((yaw * 180_000) / Math.PI) / 1000, frame } };
@@ -293,7 +297,8 @@ function messageHead(name: string, { target, type }: StepDraft): string {
   return JSON.stringify({ [name]: target.trim(), type: type.trim() || null }).slice(0, -1);
 }
 
-function navigateBody({ place, places }: StepDraft) {
+function navigateBody({ placeId, place, places }: StepDraft) {
+  if (placeId !== "") return { place: placeId };
   if (places !== null) return { poses: places };
   const { x, y, heading, frame } = place;
   const yaw = (Number(heading) * Math.PI) / 180;

@@ -32,6 +32,7 @@ const ERRORS: Record<string, string> = {
   step_timeout: "Took longer than its timeout",
   not_sent: "The goal could not be sent within 23 hours",
   goal_not_found: "The history no longer has its goal",
+  place_not_found: "The place is not there any more",
   goal_canceled: "The goal was canceled",
   invalid_field: "The action does not accept this goal",
   step_interrupted: "The gateway ended during this step: nobody knows whether it was carried out",
@@ -109,7 +110,8 @@ export function stepPlace({ steps, step }: Pick<Mission, "steps" | "step">): str
 }
 
 /** `Drive to x 1.2 m, y 3.4 m`, `Drive through 3 places` */
-function navigateWords({ pose, poses }: NonNullable<MissionStep["navigate"]>): string {
+function navigateWords({ place, pose, poses }: NonNullable<MissionStep["navigate"]>): string {
+  if (place !== null) return `Drive to ${place}`;
   if (pose === null) return `Drive through ${poses?.length ?? 0} places`;
   const { x, y, frame } = pose;
   return `Drive to x ${x} m, y ${y} m${frame === "map" ? "" : ` in ${frame}`}`;

@@ -66,8 +66,8 @@ const GOAL = "action.goal";
 /** In metres. */
 const FARTHEST = 1e6;
 
-function placeErrors({ place, places }: StepDraft): Wrong[] {
-  if (places !== null) return [];
+function placeErrors({ placeId, place, places }: StepDraft): Wrong[] {
+  if (placeId !== "" || places !== null) return [];
   const wrong = (["x", "y"] as const).flatMap((axis): Wrong[] =>
     place[axis] === ""
       ? [{ path: `navigate.pose.${axis}`, detail: "A number of metres", missing: true }]

@@ -72,6 +72,7 @@ const DOCK: MissionStep = {
   on_failure: "end",
   status: "waiting",
   attempt: 0,
+  drives_to: null,
   goal_id: null,
   started_at: null,
   finished_at: null,
@@ -86,7 +87,8 @@ const COUNT: MissionStep = {
   action: { name: "/fibonacci", goal: { order: 5 } },
 };
 const PLACE = { x: 1.5, y: -2, yaw: Math.PI / 2, frame: "map" };
-const DRIVE: MissionStep = { ...DOCK, dock: null, navigate: { pose: PLACE, poses: null } };
+const DRIVE: MissionStep = { ...DOCK, dock: null, navigate: { place: null, pose: PLACE, poses: null } };
+const SHELF = { place: "shelf", pose: null, poses: null };
 const CALL: MissionStep = {
   ...DOCK,
   dock: null,
@@ -196,9 +198,13 @@ describe("the words", () => {
     expect(stepPlace({ steps: NIGHT.steps, step: 1 })).toBe("Step 2 of 3");
     expect(NESTED.map(depthOf)).toEqual([0, 1, 2, 2, 1, 0]);
     expect(missionName({ name: null, steps: NESTED })).toBe("Repeat for ever, round 7, Dock");
-    const through: MissionStep = { ...DRIVE, navigate: { pose: null, poses: [PLACE, PLACE] } };
+    const through: MissionStep = { ...DRIVE, navigate: { place: null, pose: null, poses: [PLACE, PLACE] } };
     expect(stepWords(through)).toBe("Drive through 2 places");
-    const hall: MissionStep = { ...DRIVE, navigate: { pose: { ...PLACE, frame: "hall" }, poses: null } };
+    expect(stepWords({ ...DRIVE, navigate: SHELF })).toBe("Drive to shelf");
+    const hall: MissionStep = {
+      ...DRIVE,
+      navigate: { place: null, pose: { ...PLACE, frame: "hall" }, poses: null },
+    };
     expect(stepWords(hall)).toBe("Drive to x 1.5 m, y -2 m in hall");
     expect(missionName(NIGHT)).toBe("Night");
     expect(missionName({ name: null, steps: [DOCK, COUNT, DOCK, DOCK] })).toBe("Dock, Fibonacci, Dock, …");
@@ -260,8 +266,11 @@ describe("a draft", () => {
   });
 
   it("keeps places, calls, messages and notices", () => {
-    const through: MissionStep = { ...DRIVE, navigate: { pose: null, poses: [PLACE] } };
-    const draft = draftOf({ ...NIGHT, steps: [DRIVE, through, CALL, PUBLISH, NOTIFY] }, NOW);
+    const through: MissionStep = { ...DRIVE, navigate: { place: null, pose: null, poses: [PLACE] } };
+    const draft = draftOf(
+      { ...NIGHT, steps: [DRIVE, through, CALL, PUBLISH, NOTIFY, { ...DRIVE, navigate: SHELF }] },
+      NOW,
+    );
     expect(isReady(draft, NOW)).toBe(true);
     const { steps } = JSON.parse(bodyOf(draft, null));
     expect(steps[0].navigate.pose).toEqual({ ...PLACE, yaw: expect.closeTo(Math.PI / 2, 6) });
@@ -269,6 +278,7 @@ describe("a draft", () => {
     expect(steps[2].call).toEqual(CALL.call);
     expect(steps[3].publish).toEqual(PUBLISH.publish);
     expect(steps[4].notify).toEqual(NOTIFY.notify);
+    expect(steps[5].navigate).toEqual({ place: "shelf" });
   });
 
   it("keeps steps that are inside of others", () => {

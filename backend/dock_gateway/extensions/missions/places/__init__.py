@@ -1,0 +1,1 @@
+"""Places: poses with a name, that missions drive to."""
