@@ -202,7 +202,10 @@ def expectation(item: Mapping[str, Any]) -> str:
 def _fields(schema: dict[str, Any], path: tuple[int | str, ...]) -> list[str]:
     """Return the names of the fields at a path."""
     for part in path:
-        options = [option.get("properties", {}).get(part, option.get("items")) for option in _options(schema)]
+        options = [
+            option.get("properties", {}).get(part) or option.get("items") or option.get("additionalProperties")
+            for option in _options(schema)
+        ]
         schema = next(filter(None, options))
     return [name for option in _options(schema) for name in option.get("properties", {})]
 

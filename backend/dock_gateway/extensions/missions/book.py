@@ -250,6 +250,8 @@ def _is_same(first: MissionEntry, again: MissionEntry) -> bool:
     """Return whether two requests asked for the same mission."""
 
     def asked(mission: MissionEntry) -> tuple[object, ...]:
+        if mission.template is not None:  # which may have been changed meanwhile
+            return mission.robot, mission.template, mission.arguments
         return mission.robot, mission.name, mission.priority, [step.asked for step in mission.steps]
 
     return asked(first) == asked(again)

@@ -1,9 +1,10 @@
-"""`dock-gateway mission`: queues missions from files, follows them, and changes them."""
+"""`dock-gateway mission`: queues missions from files and templates, follows them, and changes them."""
 
 import json
 import sys
 import time
-from typing import IO, Any
+from collections.abc import Iterable
+from typing import Any
 
 import click
 
@@ -22,20 +23,31 @@ def mission() -> None:
     """Let a robot do one thing after the other."""
 
 
+class _Filename(click.ParamType[str]):
+    """The name of a file, which is opened later."""
+
+    name = "filename"
+
+
 @mission.command()
-@click.argument("file", type=click.File("rb"))
+@click.argument("file", type=_Filename(), required=False)
+@click.argument("arguments", nargs=-1)
+@click.option("--template", metavar="ID", help="Queue a mission of this template, with ARGUMENTS such as shelf=a3.")
 @robot_option
 @click.option("--no-wait", is_flag=True, help="Do not follow it.")
 @asks
-def run(file: IO[bytes], robot: str | None, no_wait: bool) -> None:
-    """Queue the mission in a JSON file, and follow it to its end; `-` reads it from stdin.
+def run(file: str | None, arguments: tuple[str, ...], template: str | None, robot: str | None, no_wait: bool) -> None:
+    """Queue the mission in a JSON file, or one of a template, and follow it to its end; `-` reads it from stdin.
 
+    Arguments of a template are JSON, or text where they are none: `shelf=a3 seconds=5`.
     Ctrl-C ends the command, not the mission. The exit code is 1 if it does not succeed.
     """
-    try:
-        body = json.loads(file.read())
-    except ValueError as error:
-        raise click.BadParameter(f"it is no JSON: {error}", param_hint="FILE") from None
+    if template is not None:
+        body = {"template": template, "arguments": dict(map(_argument, filter(None, (file, *arguments))))}
+    elif file is None or arguments:
+        raise click.UsageError("name one file with a mission, or a template with --template")
+    else:
+        body = _read(file)
     with gateway() as client:
         found = client.request("POST", "/missions", body, params={} if robot is None else {"robot": robot})
         if not no_wait:
@@ -46,6 +58,28 @@ def run(file: IO[bytes], robot: str | None, no_wait: bool) -> None:
         click.echo(found["mission_id"])
     if found["status"] in ("failed", "canceled"):
         sys.exit(1)
+
+
+def _argument(text: str) -> tuple[str, Any]:
+    """Return the name and the value of an argument."""
+    name, sign, value = text.partition("=")
+    if not sign:
+        raise click.BadParameter(f"{text!r} is no argument such as shelf=a3", param_hint="ARGUMENTS")
+    try:
+        return name, json.loads(value)
+    except ValueError:
+        return name, value
+
+
+def _read(file: str) -> Any:
+    """Return the mission in a file."""
+    try:
+        with click.open_file(file, "rb") as opened:
+            return json.loads(opened.read())
+    except OSError as error:
+        raise click.BadParameter(f"{file!r}: {error.strerror}", param_hint="FILE") from None
+    except ValueError as error:
+        raise click.BadParameter(f"it is no JSON: {error}", param_hint="FILE") from None
 
 
 def _follow(client: Client, found: dict[str, Any]) -> dict[str, Any]:
@@ -106,6 +140,26 @@ def list_missions(robot: str | None, everything: bool) -> None:
         for each in found["missions"]
     ]
     print_table(("MISSION", "ROBOT", "NAME", "STATUS", "STEP"), rows, "no missions")
+
+
+@mission.command()
+@asks
+def templates() -> None:
+    """List the templates, with their parameters; those in brackets have a default."""
+    with gateway() as client:
+        found = client.request("GET", "/mission-templates")
+    if wanted("as_json"):
+        print_json(found)
+        return
+    rows = [(each["id"], each["name"] or "", _signature(each["parameters"].items())) for each in found["templates"]]
+    print_table(("TEMPLATE", "NAME", "PARAMETERS"), rows, "no templates")
+
+
+def _signature(parameters: Iterable[tuple[str, dict[str, Any]]]) -> str:
+    return " ".join(
+        f"{name}=" if each["default"] is None else f"[{name}={json.dumps(each['default'])}]"
+        for name, each in parameters
+    )
 
 
 def _change(verb: str, help_text: str) -> click.Command:

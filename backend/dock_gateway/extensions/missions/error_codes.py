@@ -7,6 +7,7 @@ CODES = (
     ErrorCode("mission_ended", 409, "The mission has ended, so that it cannot be changed."),
     ErrorCode("mission_not_held", 409, "Only a mission that is held can be continued, or go on without its step."),
     ErrorCode("place_not_found", 404, "There is no place with this id; of a step: not any more."),
+    ErrorCode("template_not_found", 404, "There is no template of missions with this id."),
     ErrorCode("step_timeout", None, "Of a step: it took longer than its `timeout_s`."),
     ErrorCode("not_sent", None, "Of a step: its goal could not be sent within 23 hours."),
     ErrorCode("goal_canceled", None, "Of a step: its goal was canceled, and not by the mission."),

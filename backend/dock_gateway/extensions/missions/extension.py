@@ -20,6 +20,9 @@ from dock_gateway.extensions.missions.places.places import MAX_PLACES, Places
 from dock_gateway.extensions.missions.routes import router
 from dock_gateway.extensions.missions.runner import MissionRunner
 from dock_gateway.extensions.missions.schema import EVENTS
+from dock_gateway.extensions.missions.templates import routes as of_templates
+from dock_gateway.extensions.missions.templates.template import TemplateEntry
+from dock_gateway.extensions.missions.templates.templates import MAX_TEMPLATES, Templates
 from dock_gateway.fleet.alert_board import AlertBoard
 from dock_gateway.goals.docks import Docks
 from dock_gateway.goals.goals import Goals
@@ -42,7 +45,7 @@ async def open_missions(parts: Parts) -> AsyncIterator[Missions]:
         robots, actions, robot_actions = parts[RobotRegistry], parts[ActionRegistry], parts[RobotActions]
         history, interlock = parts[History], parts[Interlock]
         messages = Messages(parts[ServiceCalls], parts[Publishing])
-        places = Places(SharedBook(history.documents("place", PlaceEntry), "place", MAX_PLACES))
+        places, templates = _stored(parts)
         book = MissionBook(
             parts[Fanout],
             history.documents("mission", MissionEntry),
@@ -72,7 +75,6 @@ async def open_missions(parts: Parts) -> AsyncIterator[Missions]:
         stack.enter_context(robots.at_work.adding(runner.has_work))
         stack.enter_context(parts[AlertBoard].sources.adding(lambda: book.notices.alerts(robots.namespaces())))
         runner.start()
-        parts.add(Places, places)
         yield Missions(
             book,
             runner,
@@ -81,14 +83,23 @@ async def open_missions(parts: Parts) -> AsyncIterator[Missions]:
             robot_actions=robot_actions,
             messages=messages,
             places=places,
+            templates=templates,
             interlock=interlock,
         )
+
+
+def _stored(parts: Parts) -> tuple[Places, Templates]:
+    """Add what people store for missions to the parts, and return it."""
+    history = parts[History]
+    places = Places(SharedBook(history.documents("place", PlaceEntry), "place", MAX_PLACES))
+    templates = Templates(SharedBook(history.documents("template", TemplateEntry), "template", MAX_TEMPLATES))
+    return parts.add(Places, places), parts.add(Templates, templates)
 
 
 extension = Extension(
     "missions",
     open_missions,
-    routes=lambda _: (router, of_places.router),
+    routes=lambda _: (router, of_places.router, of_templates.router),
     events=EVENTS,
     alerts=(NOTICE,),
     errors=CODES,

@@ -13,6 +13,9 @@ from dock_gateway.http.schema import RosName, Schema
 
 # A step of `GET /missions` has what clients sent, and these.
 STORED_ONLY = frozenset({"tried", "retry_at", "size"})
+Priority = Annotated[int, Field(ge=0, le=100)]
+# That of a mission that names none.
+PRIORITY = 50
 # How long a notice is an alert at least.
 NOTICE_FOR = timedelta(minutes=1)
 
@@ -177,7 +180,7 @@ class MissionFields(Schema):
 
     `priority`: of the missions of a robot that are queued, the one with the highest begins first, then the oldest.
     `step` is the index of the present step; once all have ended, their number. `pausing`: it will be held
-    before its next step.
+    before its next step. `template` is the id of the template that it was made of, with which `arguments`; null: none.
     """
 
     robot: RosName
@@ -188,6 +191,8 @@ class MissionFields(Schema):
     pausing: bool = False
     step: Annotated[int, Field(ge=0)]
     error: Reason | None
+    template: str | None = None
+    arguments: dict[str, Any] | None = None
     created_by: str | None
     created_at: datetime
     started_at: datetime | None

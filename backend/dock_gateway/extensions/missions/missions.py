@@ -14,7 +14,9 @@ from dock_gateway.extensions.missions.messages import Messages
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
 from dock_gateway.extensions.missions.places.places import Places
 from dock_gateway.extensions.missions.runner import MissionRunner
-from dock_gateway.extensions.missions.schema import MissionBody
+from dock_gateway.extensions.missions.schema import MissionBody, MissionContent
+from dock_gateway.extensions.missions.templates.parameters import at_arguments
+from dock_gateway.extensions.missions.templates.templates import Templates
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.latch.interlock import Interlock
@@ -32,10 +34,8 @@ class Missions:
         robot_actions: Which of them dock and undock each robot.
         messages: Checks calls and messages.
         places: The places that steps drive to.
+        templates: The templates that missions are made of.
         interlock: The latched stops.
-
-    Attributes:
-        places: The places that steps drive to.
     """
 
     def __init__(
@@ -48,6 +48,7 @@ class Missions:
         robot_actions: RobotActions,
         messages: Messages,
         places: Places,
+        templates: Templates,
         interlock: Interlock,
     ) -> None:
         self.book = book
@@ -56,29 +57,61 @@ class Missions:
         self._actions = actions
         self._robot_actions = robot_actions
         self._messages = messages
-        self.places = places
+        self._places = places
+        self._templates = templates
         self._interlock = interlock
 
     async def add(self, mission_id: str, body: MissionBody, robot: str | None, grant: Grant) -> Mapping[str, Any]:
         """Queue a mission; return it.
 
         Raises:
-            InvalidField: A place is not there, a goal is not one of its action, or a message not of its type.
-            NotAllowed: The grant does not cover an action, or the settings do not name a service or a topic
-                (`not_allowed`).
-            NotFound: `robot_not_found`.
+            InvalidField, NotAllowed: As `make`.
+            NotFound: `robot_not_found`, `template_not_found`.
             Conflict: There are too many (`limit_reached`), or the id is that of another one (`idempotency_key_reused`).
             Unavailable: The history does not answer (`history_unavailable`).
         """
-        mission = body.entry(self._robots.get(robot).namespace)
+        return await self.queue(mission_id, await self.make(body, self._robots.get(robot).namespace, grant, body.by))
+
+    async def queue(self, mission_id: str, mission: MissionEntry) -> Mapping[str, Any]:
+        """Queue a mission that was made; return it.
+
+        Raises:
+            Conflict, Unavailable: As `add`.
+        """
+        added = await self.book.add(mission_id, mission)
+        self._runner.wake()
+        return self.book.describe(mission_id, added)
+
+    async def make(self, content: MissionContent, robot: str, grant: Grant, by: str | None) -> MissionEntry:
+        """Return a mission that may be queued.
+
+        Args:
+            content: What it is.
+            robot: The namespace of its robot.
+            grant: What it may use.
+            by: Who queues it.
+
+        Raises:
+            InvalidField: A place is not there, a goal is not one of its action, or a message not of its type.
+            NotAllowed: The grant does not cover an action, or the settings do not name a service or a topic
+                (`not_allowed`).
+            NotFound: `template_not_found`.
+            Unavailable: The history does not answer (`history_unavailable`).
+        """
+        filled = None
+        if content.template is not None:
+            filled = await self._templates.fill(content.template, content.arguments or {}, grant)
+        with at_arguments({} if filled is None else filled.places):
+            mission = content.entry(robot, filled, by)
+            await self._require(mission, grant)
+        return mission
+
+    async def _require(self, mission: MissionEntry, grant: Grant) -> None:
         for name in actions_of(mission, self._robot_actions):
             grant.require_action(name)
         for step in mission.steps:
             self._messages.require(step, grant)
         await self._require_goals(mission)
-        added = await self.book.add(mission_id, mission)
-        self._runner.wake()
-        return self.book.describe(mission_id, added)
 
     async def _require_goals(self, mission: MissionEntry) -> None:
         """Check the places, and the goals and messages of the steps whose servers are there, as far as that goes now.
@@ -88,7 +121,7 @@ class Missions:
                 begins with the step's.
         """
         for each in mission.steps:
-            step = await self.places.require(each, f"steps.{each.path}")
+            step = await self._places.require(each, f"steps.{each.path}")
             name = action_of(step, mission.robot, self._robot_actions)
             action = None if name is None else self._actions.get(name)
             if action is not None:

@@ -8,18 +8,27 @@ Plain data.
 from collections.abc import Iterable, Iterator, Sequence
 from datetime import datetime, timedelta
 from itertools import count
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field
 
 from dock_gateway.core.errors import FieldError, InvalidField, fields_of_a_message
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, Reason, StepEntry, StepStatus
 from dock_gateway.extensions.missions.step import Alternatives, FailurePolicy, GoTo, Repeat, StepFields
 from dock_gateway.http.bodies import read_model
+from dock_gateway.http.schema import Schema
 
 # All steps of a mission, also those inside of others, and how deep they may be inside of each other.
 MAX_STEPS = 200
 MAX_DEPTH = 5
 # Between the beginnings of two rounds of a `repeat`: what takes no time does not keep a gateway busy.
 ROUND = timedelta(seconds=1)
+
+
+class StepList(Schema):
+    """The steps of a mission."""
+
+    steps: Annotated[list[StepFields], Field(min_length=1, max_length=MAX_STEPS)]
 
 
 # ---------------------------------------------------------------------- from what clients send

@@ -1,15 +1,17 @@
 """What the API takes and returns about missions."""
 
 from datetime import datetime
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import ConfigDict, Field, JsonValue
+from pydantic import ConfigDict, Field, JsonValue, model_validator
 
 from dock_gateway.core.event import utc_now
 from dock_gateway.extensions.missions.mission import (
+    PRIORITY,
     MissionEntry,
     MissionFields,
     MissionStatus,
+    Priority,
     Reason,
     StepPlace,
     StepStatus,
@@ -17,8 +19,10 @@ from dock_gateway.extensions.missions.mission import (
 from dock_gateway.extensions.missions.moves import WaitsFor
 from dock_gateway.extensions.missions.program import MAX_STEPS, compile_steps
 from dock_gateway.extensions.missions.step import StepFields
-from dock_gateway.extensions.missions.step_kinds import Waypoint
-from dock_gateway.http.bodies import Name60
+from dock_gateway.extensions.missions.step_kinds import Waypoint, require_one
+from dock_gateway.extensions.missions.templates.parameters import MAX_PARAMETERS
+from dock_gateway.extensions.missions.templates.templates import Filled
+from dock_gateway.http.bodies import Name60, Slug, expected
 from dock_gateway.http.schema import Schema
 
 EXAMPLE: JsonValue = {
@@ -32,40 +36,68 @@ EXAMPLE: JsonValue = {
 }
 
 
-class MissionBody(Schema):
-    """A mission: steps that the robot takes one after the other.
+TEMPLATE_EXAMPLE: JsonValue = {"template": "fetch", "arguments": {"shelf": "shelf-a3"}}
 
-    Of those that wait for a robot, the one with the highest `priority` begins first, then the oldest.
+
+class MissionContent(Schema):
+    """What a mission is: `steps`, or a `template` by its id, with `arguments` for its parameters.
+
+    `name` and `priority` are those of the template by default; without one, `priority` is 50.
     """
 
-    model_config = ConfigDict(json_schema_extra={"examples": [EXAMPLE]})
-
     name: Name60 | None = None
-    priority: Annotated[int, Field(ge=0, le=100)] = 50
-    steps: Annotated[list[StepFields], Field(min_length=1, max_length=MAX_STEPS)]
-    by: Name60 | None = None
+    priority: Priority | None = None
+    steps: Annotated[list[StepFields], Field(min_length=1, max_length=MAX_STEPS)] | None = None
+    template: Slug | None = None
+    arguments: Annotated[dict[str, Any], Field(max_length=MAX_PARAMETERS)] | None = None
 
-    def entry(self, robot: str) -> MissionEntry:
+    @model_validator(mode="after")
+    def _is_one(self) -> Self:
+        require_one(self, "steps", "template")
+        if self.arguments is not None and self.template is None:
+            raise expected("no arguments: they are for a template", path="arguments")
+        return self
+
+    def entry(self, robot: str, filled: Filled | None = None, by: str | None = None) -> MissionEntry:
         """Return the mission, queued now.
+
+        Args:
+            robot: Its robot.
+            filled: What it is made of by its template, if it has one.
+            by: Who queues it.
 
         Raises:
             InvalidField: As `compile_steps`.
         """
         now = utc_now()
+        made = filled or Filled(self.steps or [], None, PRIORITY, {})
         return MissionEntry(
             robot=robot,
-            name=self.name,
-            priority=self.priority,
+            name=self.name or made.name,
+            priority=made.priority if self.priority is None else self.priority,
             status=MissionStatus.QUEUED,
             held_for=None,
             step=0,
             error=None,
-            created_by=self.by,
+            template=self.template,
+            arguments=None if self.template is None else self.arguments or {},
+            created_by=by,
             created_at=now,
             started_at=None,
             finished_at=None,
-            steps=compile_steps(self.steps),
+            steps=compile_steps(made.steps),
         )
+
+
+class MissionBody(MissionContent):
+    """A mission: steps that the robot takes one after the other, or a template that has them.
+
+    Of those that wait for a robot, the one with the highest `priority` begins first, then the oldest.
+    """
+
+    model_config = ConfigDict(json_schema_extra={"examples": [EXAMPLE, TEMPLATE_EXAMPLE]})
+
+    by: Name60 | None = None
 
 
 class MissionStep(StepPlace):

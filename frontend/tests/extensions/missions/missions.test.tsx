@@ -119,6 +119,8 @@ const NIGHT: Mission = {
   pausing: false,
   step: 0,
   error: null,
+  template: null,
+  arguments: null,
   created_by: "Ada",
   created_at: "2026-11-30T02:00:00Z",
   started_at: "2026-11-30T02:00:01Z",

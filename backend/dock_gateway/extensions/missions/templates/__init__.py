@@ -1,0 +1,1 @@
+"""Templates: missions with parameters, stored by name."""
