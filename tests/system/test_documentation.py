@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from docking.simulation.hall import Hall
 from tests.support.access import PASSWORD, Site, bearer
 from tests.support.certificates import Authority
 from tests.support.gateway import (
@@ -75,8 +76,9 @@ def simulated(domain: int, _: dict[str, str]) -> Iterator[RunningGateway]:
         ForkedProcess(*fleet, env=ros_environment(domain)),
     ):
         wait_until(lambda: all(is_up(gateway, robot) for robot in ("/", *FLEET)), "the robots")
-        for robot in FLEET:
-            gateway.http.post("/simulator/place", params={"robot": robot}, json=DOCKED).raise_for_status()
+        for number, robot in enumerate(FLEET, 1):
+            docked = {**DOCKED, "y": Hall(len(FLEET), len(FLEET)).docked(number).y}
+            gateway.http.post("/simulator/place", params={"robot": robot}, json=docked).raise_for_status()
         yield gateway
 
 

@@ -61,9 +61,10 @@ def robot_commands(programs: Programs, settings: Settings) -> dict[str, list[str
     return commands
 
 
-def fleet(robots: int) -> list[str]:
-    """Return the command line of a simulated fleet."""
-    return [sys.executable, "-m", "docking.nodes.simulated_fleet", str(robots)]
+def fleet(robots: int, docks: int | None = None) -> list[str]:
+    """Return the command line of a simulated fleet. Without a number of docks, each robot has one."""
+    command = [sys.executable, "-m", "docking.nodes.simulated_fleet", str(robots)]
+    return command if docks is None else [*command, "--docks", str(docks)]
 
 
 def default_robot(settings: Settings, robots: int) -> str:
@@ -86,7 +87,10 @@ def default_robot(settings: Settings, robots: int) -> str:
 @click.option(
     "--count",
     type=click.IntRange(1, MAX_ROBOTS),
-    help="Number of simulated robots, /robot1, /robot2, …, instead of one without a namespace.",
+    help="Number of simulated robots, /robot1, /robot2, … in one hall, instead of one without a namespace.",
+)
+@click.option(
+    "--docks", type=click.IntRange(1, MAX_ROBOTS), help="Number of docks for --count robots; one for each by default."
 )
 @click.option(
     "--sites",
@@ -94,7 +98,7 @@ def default_robot(settings: Settings, robots: int) -> str:
     help="Simulated sites, each with a gateway and --count of its own, behind one hub. Other options are the hub's.",
 )
 @partial(settings_options, leave_out={"serve_robots"})
-def up(no_sim: bool, count: int | None, sites: int | None, **options: Any) -> None:
+def up(no_sim: bool, count: int | None, docks: int | None, sites: int | None, **options: Any) -> None:
     """Run the gateway, a docking server and a simulated robot together, until Ctrl-C ends them all.
 
     They meet only ROS nodes on this machine: trying it out must not move a robot that happens to be on the same
@@ -103,12 +107,14 @@ def up(no_sim: bool, count: int | None, sites: int | None, **options: Any) -> No
     settings = read_settings(options)
     if settings.port == 0:
         raise click.UsageError("port: `up` prints the address before the gateway runs, so the port must not be 0")
+    if docks is not None and docks > (count or 0):
+        raise click.UsageError("--docks is for the robots of --count, and there is one for each at most")
     if sites is not None:
         if no_sim:
             raise click.UsageError("--sites are simulated: leave out --no-sim")
         if settings.namespace.strip("/"):
             raise click.UsageError("namespace: the robots of --sites have no other names than their site gives them")
-        _up_with_sites(sites, count, settings, options)
+        _up_with_sites(sites, None if count is None else fleet(count, docks), count or 1, settings, options)
         return
     if count is not None:
         if no_sim:
@@ -118,7 +124,7 @@ def up(no_sim: bool, count: int | None, sites: int | None, **options: Any) -> No
     check_start(settings, os.environ, docking=True)
     stay_on_this_machine(os.environ, always=not no_sim)
     programs = TUTORIAL if no_sim else SIMULATED
-    commands = robot_commands(programs, settings) if count is None else {"the fleet": fleet(count)}
+    commands = robot_commands(programs, settings) if count is None else {"the fleet": fleet(count, docks)}
 
     gateway = [sys.executable, "-m", "dock_gateway", "serve", *arguments_of(options)]
     running = supervise(
@@ -128,7 +134,9 @@ def up(no_sim: bool, count: int | None, sites: int | None, **options: Any) -> No
         raise click.ClickException("the gateway could not be started; see the messages above")
 
 
-def _up_with_sites(sites: int, robots: int | None, settings: Settings, options: dict[str, Any]) -> None:
+def _up_with_sites(
+    sites: int, fleet_command: list[str] | None, robots: int, settings: Settings, options: dict[str, Any]
+) -> None:
     """Run sites, by what another program adds for that; their gateways listen on the ports after the first.
 
     Raises:
@@ -142,9 +150,9 @@ def _up_with_sites(sites: int, robots: int | None, settings: Settings, options: 
     for port in ports:
         check_port(Settings(port=port))
     stay_on_this_machine(os.environ, always=True)
-    if robots is None:
+    if fleet_command is None:
         programs, namespace = robot_commands(SIMULATED, settings), ""
     else:
-        programs, namespace = {"the fleet": fleet(robots)}, "/robot1"
-    end_timeout = END_TIMEOUT + 0.2 * sites * (robots or 1)
+        programs, namespace = {"the fleet": fleet_command}, "/robot1"
+    end_timeout = END_TIMEOUT + 0.2 * sites * robots
     run_sites.load()(ports, own_url(settings), arguments_of(options), programs, namespace, end_timeout)

@@ -43,6 +43,7 @@ from docking.ros.simulator_messages import (
     diagnostics_message,
     joint_message,
 )
+from docking.ros.simulator_others import SimulatorOthers
 from docking.ros.simulator_room import SimulatorRoom
 from docking.ros.stop_listener import StopListener
 from docking.simulation.battery_yield import BatteryYield
@@ -85,7 +86,8 @@ class DockSimulator(WithoutEvents, Node):  # type: ignore[misc] # rclpy has no t
         """
         super().__init__("dock_simulator", context=context, **options)
         declare_parameters(self, SimulatorSettings, self._take_settings)
-        self._room = WORKSHOP if self._settings.room else None
+        self._room = WORKSHOP.extended(self._settings.room_extension) if self._settings.room else None
+        self._others = SimulatorOthers(self, "/simulated_robots") if self._settings.shares_room else None
         self._simulation = self._make_simulation()
         self._courtesy = BatteryYield()
         self._ticks = 0
@@ -114,7 +116,8 @@ class DockSimulator(WithoutEvents, Node):  # type: ignore[misc] # rclpy has no t
         self._settings = settings
 
     def _make_simulation(self) -> Simulation:
-        return Simulation(replace(self._settings.settings, room=self._room), self._settings.seed)
+        others = () if self._others is None else self._others.bodies
+        return Simulation(replace(self._settings.settings, room=self._room), self._settings.seed, others)
 
     def _make_publishers(self) -> None:
         publisher = partial(overridable_publisher, self)
@@ -128,7 +131,9 @@ class DockSimulator(WithoutEvents, Node):  # type: ignore[misc] # rclpy has no t
         self._dock = publisher(PoseStamped, "true_dock_pose", LATCHED)
         # Absolute, as REP-107 has it: one topic for all robots; the name of the status says which one.
         self._diagnostics = publisher(DiagnosticArray, "/diagnostics")
-        self._dock.publish(stamped_pose(Pose(), WORLD, self._now()))
+        places = self._simulation.dock.places
+        home = Pose(y=places[min(self._settings.home_dock, len(places)) - 1])
+        self._dock.publish(stamped_pose(home, WORLD, self._now()))
         self._world_frames = {WORLD, ""}
         mapped = self._room if self._settings.publish_map else None
         if mapped is not None:
@@ -233,6 +238,8 @@ class DockSimulator(WithoutEvents, Node):  # type: ignore[misc] # rclpy has no t
         self._simulation.scanning = self._scan.get_subscription_count() > 0
         self._on_map.drive()
         self._simulation.run(lapse * self._settings.real_time_factor)
+        if self._others is not None:
+            self._others.step(self._simulation)
         self._commands_shown = self._commands  # not before: what touches and charges is known once time has passed
         self._publish()
         if self._ticks % TICKS_PER_BATTERY_MESSAGE == 0:

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
+from random import Random
 from typing import Any
 
 from builtin_interfaces.msg import Duration, Time
@@ -31,6 +32,8 @@ FEEDBACK_PERIOD = 0.1
 """Simulated seconds."""
 PLAN_PERIOD = 1.0
 """The same."""
+PATIENCE = 1.0, 3.0
+"""Seconds that a robot waits for another one before it drives around it."""
 RESULT_TIMEOUT = 60
 """Seconds for which results are kept."""
 
@@ -74,6 +77,8 @@ class SimulatorNavigation:
         self._routes = routes
         self._simulation = simulation
         self._goal: _Goal | None = None
+        # Robots that wait for each other do not begin to drive around each other at once.
+        self._patience = Random(node.get_namespace()).uniform(*PATIENCE)  # noqa: S311 - no secret
         self._plan = overridable_publisher(node, Path, "plan", 1)
         self._server = ActionServer(
             node,
@@ -96,7 +101,8 @@ class SimulatorNavigation:
         if goal is None:
             return
         try:
-            velocity = goal.ride.step(simulation.robot.pose, simulation.obstacles, simulation.time)
+            robot, now = simulation.robot.pose, simulation.time
+            velocity = goal.ride.step(robot, simulation.fixed_obstacles, now, simulation.others)
         except NoWayError as error:
             self.abort(str(error))
             return
@@ -148,7 +154,8 @@ class SimulatorNavigation:
         handle.execute(partial(self._execute, ended))
         robot = simulation.robot
         try:
-            ride = Ride(self._routes, robot.pose, self._target(handle.request.pose), robot.radius, simulation.time)
+            target = self._target(handle.request.pose)
+            ride = Ride(self._routes, robot.pose, target, robot.radius, simulation.time, patience=self._patience)
         except NoWayError as error:
             ended.set_result((End.ABORTED, str(error)))
             return

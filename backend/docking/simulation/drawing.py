@@ -22,7 +22,7 @@ Color = tuple[int, int, int]
 WIDTH, HEIGHT = 640, 480
 EYE = 0.25
 """Height of the camera and of the marker's centre above the floor, in m."""
-WALLS, FURNITURE, PILLAR, DOCK, BOARD = 2.4, 0.9, 0.7, 0.12, 0.37
+WALLS, FURNITURE, PILLAR, ROBOT, DOCK, BOARD = 2.4, 0.9, 0.7, 0.2, 0.12, 0.37
 """Heights, in m."""
 TILE = 0.5
 """Size of a tile of the floor, in m."""
@@ -35,6 +35,7 @@ CELLS = np.pad(np.array([[1, 0, 1, 1], [0, 1, 0, 1], [0, 0, 1, 1], [0, 0, 1, 0]]
 SKY, TILES, WALL = (196, 206, 214), (158, 177), (214, 208, 196)
 WOODS: Sequence[Color] = ((142, 108, 74), (94, 112, 128), (120, 124, 112), (150, 120, 96))
 STEEL, WHITE, CARDBOARD, ORANGE = (52, 58, 66), (238, 238, 236), (150, 118, 80), (214, 120, 40)
+BLUE = (64, 104, 168)
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,7 @@ class Scene:
     Attributes:
         dock: The dock.
         room: The room; None on an endless floor.
-        obstacles: Pillars.
+        obstacles: Pillars, and robots where they are low.
         covered: Whether something hides the marker.
     """
 
@@ -102,15 +103,19 @@ class Drawing:
             top = (x >= box.x_min) & (x <= box.x_max) & (y >= box.y_min) & (y <= box.y_max)
             self._paint(rows.start, 0, top & (depth < self._depth[rows]), depth, np.array(color) * 1.15)
 
-    def pillar(self, circle: Obstacle, color: Color) -> None:
-        """Draw a pillar."""
+    def pillar(self, circle: Obstacle, height: float, color: Color) -> None:
+        """Draw something round that stands on the floor."""
         x, y = circle.x - self._x, circle.y - self._y
         length = self._dx**2 + self._dy**2
         within = circle.radius**2 * length - (x * self._dy - y * self._dx) ** 2
         root = np.sqrt(np.maximum(within, 0.0))
         depth = (x * self._dx + y * self._dy - root) / length
         round_ = 0.55 + 0.45 * root / (circle.radius * np.sqrt(length))
-        self._stand(np.where((within > 0.0) & (depth > 0.0), depth, np.inf), PILLAR, color, round_)
+        self._stand(np.where((within > 0.0) & (depth > 0.0), depth, np.inf), height, color, round_)
+        if height < EYE:
+            rows, level, over_x, over_y = self._level(height)
+            top = (over_x - circle.x) ** 2 + (over_y - circle.y) ** 2 <= circle.radius**2
+            self._paint(rows.start, 0, top & (level < self._depth[rows]), level, np.array(color) * 1.15)
 
     def marker(self, y: float) -> None:
         """Draw the marker on its board, which looks along -x.
@@ -199,7 +204,8 @@ def draw(scene: Scene, robot: Pose, camera_yaw: float, field_of_view: float, sec
         for number, box in enumerate(scene.room.furniture):
             drawing.box(box, FURNITURE, WOODS[number % len(WOODS)])
     for obstacle in scene.obstacles:
-        drawing.pillar(obstacle, ORANGE)
+        height, color = (ROBOT, BLUE) if obstacle.low else (PILLAR, ORANGE)
+        drawing.pillar(obstacle, height, color)
     for box in scene.dock.boxes:
         drawing.box(box, DOCK, STEEL)
     for y in {*scene.dock.places, second_y or 0.0}:

@@ -1,7 +1,7 @@
 """The camera that sees the marker on the dock."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from random import Random
 
@@ -139,7 +139,7 @@ class MarkerCamera:
         self._wrong = wrong
         self._period, self._mirrored = -1, False
 
-    def can_see(self, robot: Pose, obstacles: Sequence[Obstacle | Box] = ()) -> bool:
+    def can_see(self, robot: Pose, obstacles: Iterable[Obstacle | Box] = ()) -> bool:
         """Whether the marker is in range, in view, not hidden and not seen too much from the side.
 
         Args:
@@ -159,7 +159,7 @@ class MarkerCamera:
         )
 
     def detect(
-        self, robot: Pose, now: float = 0.0, obstacles: Sequence[Obstacle | Box] = (), outliers: float = 0.0
+        self, robot: Pose, now: float = 0.0, obstacles: Iterable[Obstacle | Box] = (), outliers: float = 0.0
     ) -> Pose | None:
         """One picture.
 

@@ -37,6 +37,12 @@ class Occupancy:
         """The middle of a cell, in world, in m."""
         return self.x + (column + 0.5) * CELL, self.y + (row + 0.5) * CELL
 
+    def within(self, x: float, y: float, distance: float) -> Cells:
+        """Return which cells have their middle within a distance of a point in world, in m."""
+        rows, columns = self.occupied.shape
+        across, up = self.x + (np.arange(columns) + 0.5) * CELL, self.y + (np.arange(rows) + 0.5) * CELL
+        return np.asarray((across - x) ** 2 + (up[:, None] - y) ** 2 <= distance**2)
+
     def cell(self, x: float, y: float) -> tuple[int, int]:
         """Row and column of the cell of a point in world; it may be outside of the grid."""
         return math.floor((y - self.y) / CELL), math.floor((x - self.x) / CELL)

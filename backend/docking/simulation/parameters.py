@@ -60,6 +60,25 @@ class SimulatorSettings(NodeSettings):
         True,
         "Whether the dock is in a room with walls and furniture; else on an endless floor. Applies at the next start.",
     )
+    room_extension: float = number(
+        0.0,
+        0.0,
+        40.0,
+        "m",
+        "How much longer the room is, to the left of the dock; its end moves along. Applies at the next start.",
+    )
+    home_dock: int = number(
+        1,
+        1,
+        100,
+        "",
+        "The dock that true_dock_pose is about: 1 is the first one, 2 the first of `docks`. Applies at the next start.",
+    )
+    shares_room: bool = switch(
+        False,
+        "Whether other simulated robots are in the room: each publishes where it is on /simulated_robots, and they "
+        "block and see each other. Applies at the next start.",
+    )
     publish_map: bool = switch(
         True,
         "Whether the room's `map` is published, and where odometry lies in it, as a localization does; switch it off "

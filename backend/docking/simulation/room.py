@@ -1,10 +1,14 @@
 """The room in which the dock stands: walls, and furniture inside."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from docking.core.geometry import Pose
 from docking.simulation.box import Box
 from docking.simulation.obstacle import Obstruction
+
+STRETCHED_AT = 1.5
+"""Where along y a longer room has its additional floor: what stands beyond moves along. In m, in world."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,11 +19,27 @@ class Room:
         floor: Between the walls, in world.
         furniture: What stands on it, and walls inside.
         thickness: Of the walls, in m.
+        places: Where a robot can be sent, by name: base_link in world.
     """
 
     floor: Box
     furniture: tuple[Box, ...] = ()
     thickness: float = 0.15
+    places: tuple[tuple[str, Pose], ...] = ()
+
+    def extended(self, by: float) -> "Room":
+        """Return the room made longer along y.
+
+        Args:
+            by: In m.
+        """
+        places = ((name, replace(pose, y=pose.y + by) if pose.y > STRETCHED_AT else pose) for name, pose in self.places)
+        return replace(
+            self,
+            floor=replace(self.floor, y_max=self.floor.y_max + by),
+            furniture=tuple(box.seen_from(-by) if box.y_min > STRETCHED_AT else box for box in self.furniture),
+            places=tuple(places),
+        )
 
     def obstruct(self, x: float, y: float, radius: float) -> Obstruction | None:
         """Return where a round body is kept that wants to be here; None where no wall is in its way.
@@ -59,6 +79,13 @@ WORKSHOP = Room(
         Box(-9.85, -1.4, -9.0, 0.4),  # lathe
         Box(-9.3, -3.1, -8.1, -2.3),  # pallet
         *_table(-7.6, -1.7, -6.1, -0.8),
+    ),
+    places=(
+        ("workbench", Pose(-3.3, 3.4, math.pi / 2)),
+        ("shelf", Pose(-4.0, -2.6, -math.pi / 2)),
+        ("store", Pose(-7.6, 3.0, math.pi / 2)),
+        ("lathe", Pose(-8.5, -0.5, math.pi)),
+        ("waiting", Pose(-5.4, 0.6, 0.0)),
     ),
 )
 """A small workshop of 10 m x 8 m with the dock at its right wall; everything fits a grid of 5 cm."""

@@ -1,12 +1,13 @@
 """Finds ways for the simulated robot on the map of its room."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from heapq import heappop, heappush
 
 import numpy as np
 
 from docking.core.geometry import Pose
+from docking.simulation.obstacle import Obstacle
 from docking.simulation.occupancy import CELL, Cells, Occupancy
 
 MARGIN = 0.05
@@ -27,17 +28,29 @@ class NoWayError(Exception):
 class Routes:
     """The ways on a map, found by A* on its cells."""
 
-    def __init__(self, grid: Occupancy, radius: float) -> None:
+    def __init__(self, grid: Occupancy, radius: float, bodies: Sequence[Obstacle] = ()) -> None:
         """Find the cells on which the robot may stand.
 
         Args:
             grid: The map; all its outermost cells are occupied.
             radius: Of the robot, in m.
+            bodies: What else stands there, such as other robots.
         """
         self._grid = grid
+        self._radius = radius
         self._blocked = _grow(grid.occupied, (radius + MARGIN) / CELL + 0.5)
+        for body in bodies:
+            self._blocked |= grid.within(body.x, body.y, body.radius + radius + MARGIN + CELL)
         self._width: int = grid.occupied.shape[1]
         self._flat: list[bool] = self._blocked.ravel().tolist()
+
+    def around(self, bodies: Sequence[Obstacle]) -> "Routes":
+        """Return the ways on the same map that keep clear of bodies, too.
+
+        Args:
+            bodies: Such as other robots.
+        """
+        return Routes(self._grid, self._radius, bodies)
 
     def is_free(self, place: Point) -> bool:
         """Whether the robot may stand at a place, in world, with the clearance of a way."""

@@ -50,6 +50,7 @@ from docking.simulation.localization import Localization
 from docking.simulation.marker import MarkerCamera, camera_mount
 from docking.simulation.obstacle import Obstacle
 from docking.simulation.odometry import DriftingOdometry, Repeater
+from docking.simulation.others import not_pushing
 from docking.simulation.readings import LaserScan, Sighting
 from docking.simulation.repeating import DetectorFaults, Freezer
 from docking.simulation.robot import Robot
@@ -78,6 +79,7 @@ class Simulation:
         dock: The dock.
         faults: The active faults; switch with `set_fault`.
         halted: Whether the robot stands still and ignores commands.
+        others: The bodies of other robots; change with `meet`.
         track: Odometry as it arrived, by its stamps.
         reading: The last odometry that arrived, after its stamp in simulated seconds.
         detections: The last of a marker that arrived: stamp, and marker in base_link; two if there is a second marker.
@@ -88,23 +90,25 @@ class Simulation:
         measurement: The last of the battery, with the moment.
     """
 
-    def __init__(self, settings: Settings | None = None, seed: int = 0) -> None:
+    def __init__(self, settings: Settings | None = None, seed: int = 0, others: tuple[Obstacle, ...] = ()) -> None:
         """Build it all and set the robot down.
 
         Args:
             settings: None for the defaults.
             seed: Decides on all that is random; every part has numbers of its own, so that a fault in one does not
                 change the noise of another.
+            others: The bodies of other robots.
         """
         self.settings = settings or Settings()
         self._seed = seed
         self.faults: frozenset[Fault] = frozenset()
         self.halted = False
         self.scanning = False
+        self.others = others
         self.reset()
 
     def reset(self) -> None:
-        """Begin again: as at the start, with the same noise and no faults. `halted` and `scanning` stay."""
+        """Begin again: as at the start, with the same noise and no faults. `halted`, `scanning` and `others` stay."""
         settings = self.settings
         self.time = 0.0
         self.faults = frozenset()
@@ -206,6 +210,14 @@ class Simulation:
         """
         self.place(self.robot.pose.compose(by))
 
+    def meet(self, others: Sequence[Obstacle]) -> None:
+        """Put other robots where they are now. They block the robot, but never push it.
+
+        Args:
+            others: Their bodies.
+        """
+        self.others = not_pushing(others, *self.robot.body, self.robot.radius)
+
     def set_fault(self, fault: Fault, active: bool) -> None:
         """Switch a fault on or off."""
         self.faults = self.faults | {fault} if active else self.faults - {fault}
@@ -244,7 +256,12 @@ class Simulation:
 
     @property
     def obstacles(self) -> tuple[Obstacle, ...]:
-        """The current obstacles."""
+        """The current obstacles, and other robots."""
+        return self.fixed_obstacles + self.others
+
+    @property
+    def fixed_obstacles(self) -> tuple[Obstacle, ...]:
+        """The current obstacles that are no robots of their own."""
         more = {Fault.OBSTACLE: IN_THE_WAY, Fault.OCCUPIED_DOCK: ON_THE_DOCK}
         return self.settings.obstacles + tuple(one for fault, one in more.items() if fault in self.faults)
 
@@ -390,7 +407,7 @@ class Simulation:
         room = self.settings.room
         hiding: tuple[Obstacle | Box, ...] = self.obstacles + (() if room is None else room.furniture)
         seen = [
-            camera.detect(robot.relative_to(Pose(y=y)), self.time, [thing.seen_from(y) for thing in hiding], outliers)
+            camera.detect(robot.relative_to(Pose(y=y)), self.time, (thing.seen_from(y) for thing in hiding), outliers)
             for camera, y in zip(self._cameras, self.dock.places, strict=True)
         ]
         if settings.second_y != 0.0:

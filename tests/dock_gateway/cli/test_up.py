@@ -109,6 +109,7 @@ async def test_a_gateway_that_cannot_start_ends_everything() -> None:
 
 def test_a_fleet_and_the_robot_that_is_meant_without_a_name() -> None:
     assert fleet(5)[1:] == ["-m", "docking.nodes.simulated_fleet", "5"]
+    assert fleet(5, 2)[1:] == ["-m", "docking.nodes.simulated_fleet", "5", "--docks", "2"]
     assert default_robot(Settings(), 5) == "/robot1"
     assert default_robot(Settings(namespace="/robot5"), 5) == "/robot5"
 
@@ -120,6 +121,8 @@ def test_a_fleet_and_the_robot_that_is_meant_without_a_name() -> None:
         (["--count", "21"], "21 is not in the range"),
         (["--count", "many"], "not a valid int"),
         (["--count", "3", "--no-sim"], "leave out --no-sim"),
+        (["--docks", "2"], "--docks is for the robots of --count"),
+        (["--count", "2", "--docks", "3"], "one for each at most"),
         (["--count", "3", "--namespace", "/robot4"], "/robot1 to /robot3, and /robot4 is none of them"),
     ],
 )
