@@ -1,11 +1,14 @@
-"""Docking by a simulated clock: at half speed, and while it stands still."""
+"""Docking by a simulated clock: at half speed, while it stands still, and on a machine that is too slow."""
 
+import signal
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
 import pytest
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
@@ -13,7 +16,7 @@ from rosgraph_msgs.msg import Clock
 from robot_io.halt import LONGEST
 from tests.support.docking import PATIENT, SUCCEEDED, Reports, Wheels, send_dock_goal, watch_wheels
 from tests.support.observer import Observer
-from tests.support.processes import ForkedProcess, ros_environment
+from tests.support.processes import ForkedProcess, Process, ros_environment
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
@@ -52,6 +55,20 @@ def simulated_time(observer: Observer) -> Iterator[SimulatedTime]:
         observer.call(lambda: observer.node.destroy_timer(timer))
 
 
+class SimulatorStatuses:
+    """The values that the simulator publishes of itself."""
+
+    def __init__(self, observer: Observer) -> None:
+        self._heard = observer.record(DiagnosticArray, "/diagnostics")
+
+    @property
+    def last(self) -> dict[str, str]:
+        """The newest; empty before the first."""
+        found = (status for array in reversed(self._heard.messages) for status in array.status)
+        status = next((each for each in found if each.name == "dock_simulator"), None)
+        return {} if status is None else {value.key: value.value for value in status.values}
+
+
 def is_silent(wheels: Wheels) -> bool:
     """Whether nothing is commanded for a second."""
     count = len(wheels.messages)
@@ -85,3 +102,52 @@ def test_the_servers_follow_a_simulated_clock(domain: int, observer: Observer) -
         report = reports.wait_for(goal_id=goal.goal_id, stage="SUCCEEDED")
         assert report["retries"] == "0"
         assert truth.messages[-1].header.stamp.sec < clock.seconds + 1.0
+
+
+@contextmanager
+def slow_machine(*processes: Process, stands: float = 0.3, runs: float = 0.1) -> Iterator[None]:
+    """Let processes run for a part of the time only, all at once, as on a machine with too much to do."""
+    ended = threading.Event()
+
+    def freeze_and_thaw() -> None:
+        while not ended.wait(runs):
+            for number in (signal.SIGSTOP, signal.SIGCONT):
+                for process in processes:
+                    process.send_signal(number)
+                ended.wait(stands if number == signal.SIGSTOP else 0.0)
+
+    thread = threading.Thread(target=freeze_and_thaw)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()
+
+
+def test_a_robot_docks_on_a_machine_that_is_too_slow(domain: int, observer: Observer) -> None:
+    """The simulator's own clock slows down with everything else, and says so; then it is set to real time again."""
+    environment = ros_environment(domain)
+    start = ("-p", "start_x:=-1.0", "-p", "start_y:=0.1", "-p", "start_theta:=0.0")
+    with (
+        ForkedProcess(
+            "dock_simulator", "--ros-args", "-p", "publish_clock:=true", *start, env=environment
+        ) as simulator,
+        ForkedProcess(
+            "docking_server", "--ros-args", "-p", "use_sim_time:=true", "-p", "controller:=dock_pose", env=environment
+        ) as server,
+    ):
+        truth, statuses = observer.record(Odometry, "ground_truth"), SimulatorStatuses(observer)
+        wait_until(lambda: truth.messages, "the simulator")
+        wait_until(lambda: statuses.last.get("too_slow") == "false", "a simulator that keeps up")
+        with slow_machine(simulator, server):
+            goal = send_dock_goal(observer)
+            assert goal.accepted
+            wait_until(lambda: statuses.last.get("too_slow") == "true", "a simulator that says that it is too slow")
+            assert float(statuses.last["real_time_factor"]) < 0.9
+            result = goal.result(timeout=150.0)
+            behind = time.time() - truth.messages[-1].header.stamp.sec
+        assert result.status == SUCCEEDED
+        assert behind > 2.0
+        wait_until(lambda: time.time() - truth.messages[-1].header.stamp.sec < 1.5, "the clock is that of real time")
+        wait_until(lambda: statuses.last.get("too_slow") == "false", "a simulator that keeps up again")

@@ -25,8 +25,8 @@ Programs = dict[str, tuple[str, tuple[str, ...]]]
 
 # The robot's programs and their ROS arguments: with a simulated robot, and for the tutorial.
 SIMULATED: Programs = {
-    "the docking server": ("docking_server", ("-p", "controller:=dock_pose")),
-    "the simulator": ("dock_simulator", ()),
+    "the docking server": ("docking_server", ("-p", "controller:=dock_pose", "-p", "use_sim_time:=true")),
+    "the simulator": ("dock_simulator", ("-p", "publish_clock:=true")),
 }
 TUTORIAL: Programs = {"the action server": ("connect_to_charging_dock_server", ())}
 

@@ -43,6 +43,7 @@ def server_arguments(hall: Hall, robot: int) -> list[str]:
     docks = sorted(range(1, hall.docks + 1), key=lambda dock: dock != home)  # the first one is the default
     parameters: dict[str, object] = {
         "controller": "dock_pose",
+        "use_sim_time": "true",
         "use_collision_detection": "true",
         "docks": f"[{', '.join(hall.dock_names[dock - 1] for dock in docks)}]",
     }
@@ -62,6 +63,7 @@ def simulator_arguments(hall: Hall, robot: int) -> list[str]:
     start = hall.start(robot)
     parameters: dict[str, object] = {
         "seed": robot,
+        "publish_clock": "true",
         "start_x": start.x,
         "start_y": start.y,
         "start_theta": start.theta,
@@ -77,7 +79,7 @@ def simulator_arguments(hall: Hall, robot: int) -> list[str]:
 
 def _ros_arguments(robot: int, parameters: Mapping[str, object]) -> list[str]:
     given = (text for name, value in parameters.items() for text in ("-p", f"{name}:={value}"))
-    return ["--ros-args", "-r", f"__ns:=/robot{robot}", *given]
+    return ["--ros-args", "-r", f"__ns:=/robot{robot}", "-r", "/clock:=clock", *given]
 
 
 def _run(hall: Hall, robot: int) -> None:

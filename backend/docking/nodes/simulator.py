@@ -18,7 +18,6 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.serialization import serialize_message
-from rclpy.time import Time
 from sensor_msgs.msg import BatteryState, JointState, LaserScan, Range
 from std_srvs.srv import SetBool, Trigger
 
@@ -31,6 +30,7 @@ from docking.ros.given import given_to
 from docking.ros.parameters import declare_parameters
 from docking.ros.process import Spinner, StopSignals, ros_context, run_process
 from docking.ros.simulator_camera import SimulatorCamera
+from docking.ros.simulator_clock import SimulatorClock
 from docking.ros.simulator_frames import SimulatorFrames
 from docking.ros.simulator_messages import (
     MAP,
@@ -60,8 +60,6 @@ TICKS_PER_BATTERY_MESSAGE = 3
 BATTERY_RATE = 10.0
 """Battery messages per second with that; where `battery_rate` is lower, not each measurement is published again."""
 DIAGNOSTICS_PERIOD = 1.0
-LONGEST_LAPSE = 0.25
-"""The most time, in s, that is caught up with; the simulation stands still while the process does."""
 RECEIVERS = ("left", "center", "right")
 
 
@@ -91,7 +89,8 @@ class DockSimulator(WithoutEvents, Node):  # type: ignore[misc] # rclpy has no t
         self._simulation = self._make_simulation()
         self._courtesy = BatteryYield()
         self._ticks = 0
-        self._ticked_at = time.monotonic()
+        self._driven = False
+        self._own_clock = SimulatorClock(self, time.monotonic(), publishes=self._settings.publish_clock)
         self._reported: Status | None = None
         self._commands = self._commands_shown = 0
         self._make_publishers()
@@ -177,6 +176,7 @@ class DockSimulator(WithoutEvents, Node):  # type: ignore[misc] # rclpy has no t
     # Commands to the robot.
 
     def _drive(self, message: Twist) -> None:
+        self._driven = True
         self._simulation.command(Velocity(message.linear.x, message.angular.z, message.linear.y))
 
     def _obey_stop(self) -> None:
@@ -233,13 +233,13 @@ class DockSimulator(WithoutEvents, Node):  # type: ignore[misc] # rclpy has no t
 
     def _tick(self) -> None:
         now = time.monotonic()
-        lapse = min(LONGEST_LAPSE, now - self._ticked_at)
-        self._ticked_at = now
+        lapse = self._own_clock.step(now, driven=self._driven or self._on_map.drives)
+        self._driven = False
         self._simulation.scanning = self._scan.get_subscription_count() > 0
         self._on_map.drive()
         self._simulation.run(lapse * self._settings.real_time_factor)
         if self._others is not None:
-            self._others.step(self._simulation)
+            self._others.step(self._simulation, self._now())
         self._commands_shown = self._commands  # not before: what touches and charges is known once time has passed
         self._publish()
         if self._ticks % TICKS_PER_BATTERY_MESSAGE == 0:
@@ -275,7 +275,7 @@ class DockSimulator(WithoutEvents, Node):  # type: ignore[misc] # rclpy has no t
         if scan is not None and scan.stamp > self._scan_told:
             self._scan_told = scan.stamp
             self._scan.publish(self._scan_message.fill(scan.distances, self._stamp(scan.stamp)))
-        self._camera.publish(simulation)
+        self._camera.publish(simulation, stamp)
 
     def _publish_battery(self, now: float) -> None:
         """Publish the state of the battery, unless someone else does or it is silent."""
@@ -295,19 +295,19 @@ class DockSimulator(WithoutEvents, Node):  # type: ignore[misc] # rclpy has no t
     # Its status.
 
     def _stamp(self, time: float) -> Any:
-        """A moment of the simulation by the node's clock."""
-        ago = (self._simulation.time - time) / self._settings.real_time_factor
-        return Time(nanoseconds=max(0, self.get_clock().now().nanoseconds - round(1e9 * ago))).to_msg()
+        """A moment of the simulation, as a stamp."""
+        return self._own_clock.stamp((self._simulation.time - time) / self._settings.real_time_factor)
 
     def _now(self) -> Any:
-        return self.get_clock().now().to_msg()
+        return self._own_clock.stamp()
 
     def _status(self) -> Status:
         others = self._others_publish_battery(time.monotonic())
         return status_of(
             self._simulation,
             battery_publisher="other" if others else "self",
-            real_time_factor=self._settings.real_time_factor,
+            real_time_factor=self._settings.real_time_factor * self._own_clock.rate,
+            too_slow=not self._own_clock.keeps_up,
             commands=self._commands_shown,
         )
 

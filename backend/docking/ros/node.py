@@ -216,6 +216,7 @@ class ActionNode(WithoutEvents, LifecycleNode, Generic[S]):  # type: ignore[misc
         nearest = NearestDock(settings.choices, now) if settings.choices else None
         execution = Execution(handle, goal_id, goal, self._end, nearest)
         self._running = self._active_goal.running = execution
+        self._clock_watch.begin()
         self._reporter.begin(memory)
         self._fed_back_at = -math.inf
         self._drive.begin()
@@ -299,6 +300,8 @@ class ActionNode(WithoutEvents, LifecycleNode, Generic[S]):  # type: ignore[misc
         observation = self._sensors.observe(self._battery.latest)
         if running.nearest is not None and not self._choose_dock(running, running.nearest):
             return
+        if doubt := self._clock_watch.doubt:
+            running.goal.doubts.note("clock", doubt)
         step = running.goal.step(observation)
         if isinstance(step, Outcome):
             self._end(step)

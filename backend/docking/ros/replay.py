@@ -251,6 +251,10 @@ class _RunningClock:
     """The clock of a replay runs, however long this process waits for a processor."""
 
     stopped = False
+    doubt = ""
+
+    def begin(self) -> None:
+        """Nothing is measured."""
 
 
 class _WatchedAction:

@@ -4,6 +4,7 @@ import importlib.util
 import math
 import time
 
+from builtin_interfaces.msg import Time
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import CameraInfo, CompressedImage
@@ -30,18 +31,18 @@ class SimulatorCamera:
         Args:
             node: The node that publishes.
         """
-        self._node = node
         self._due = -math.inf
         self._encodes = importlib.util.find_spec("simplejpeg") is not None
         if self._encodes:
             self._pictures = overridable_publisher(node, CompressedImage, "camera/image_raw/compressed", NEWEST)
             self._info = overridable_publisher(node, CameraInfo, "camera/camera_info", NEWEST)
 
-    def publish(self, simulation: Simulation) -> None:
+    def publish(self, simulation: Simulation, stamp: Time) -> None:
         """Publish a picture if one is due and something subscribes to it.
 
         Args:
             simulation: What there is to see, and where from.
+            stamp: Of the picture.
         """
         now = time.monotonic()
         if not self._encodes or now < self._due or not self._pictures.get_subscription_count():
@@ -55,7 +56,7 @@ class SimulatorCamera:
         pixels = draw(scene, simulation.robot.pose, marker.camera_yaw, marker.field_of_view, marker.second_y)
         picture = CompressedImage(format="rgb8; jpeg compressed bgr8", data=simplejpeg.encode_jpeg(pixels, QUALITY))
         info = _camera_info(marker)
-        info.header.stamp = picture.header.stamp = self._node.get_clock().now().to_msg()
+        info.header.stamp = picture.header.stamp = stamp
         info.header.frame_id = picture.header.frame_id = DetectionFrame.CAMERA.value
         self._info.publish(info)
         self._pictures.publish(picture)

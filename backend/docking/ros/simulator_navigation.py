@@ -95,6 +95,11 @@ class SimulatorNavigation:
         """Leave the ROS graph, which rclpy does not do by itself."""
         self._server.destroy()
 
+    @property
+    def drives(self) -> bool:
+        """Whether a goal runs."""
+        return self._goal is not None
+
     def step(self) -> None:
         """Command the next velocity, while a goal runs."""
         goal, simulation = self._goal, self._simulation()

@@ -3,6 +3,7 @@
 import math
 import time
 
+from builtin_interfaces.msg import Time
 from geometry_msgs.msg import TransformStamped
 from rclpy.node import Node
 from rclpy.qos_overriding_options import QoSOverridingOptions
@@ -35,7 +36,6 @@ class SimulatorOthers:
             node: The simulator.
             topic: Of all robots in the room.
         """
-        self._node = node
         self._name = f"{node.get_namespace().strip('/')}/{BASE}"
         self._others = Others()
         self._bodies: tuple[Obstacle, ...] = ()
@@ -50,15 +50,16 @@ class SimulatorOthers:
         """The other robots, as they were known at the last step."""
         return self._bodies
 
-    def step(self, simulation: Simulation) -> None:
+    def step(self, simulation: Simulation, stamp: Time) -> None:
         """Say where the robot is, if it is time, and put the others where they are.
 
         Args:
             simulation: Of this robot.
+            stamp: The moment.
         """
         now, pose = time.monotonic(), simulation.robot.pose
         if now - self._told_at >= (PERIOD if self._has_moved(pose) else REPEAT):
-            self._tell(pose, now)
+            self._tell(pose, now, stamp)
         self._bodies = self._others.bodies(now)
         simulation.meet(self._bodies)
 
@@ -66,11 +67,11 @@ class SimulatorOthers:
         told = self._told
         return told is None or told.distance_to(pose) > MOVED or abs(told.theta - pose.theta) > MOVED
 
-    def _tell(self, pose: Pose, now: float) -> None:
+    def _tell(self, pose: Pose, now: float, stamp: Time) -> None:
         self._told, self._told_at = pose, now
         message = TransformStamped(child_frame_id=self._name, transform=transform_message(spatial(pose)))
         message.header.frame_id = WORLD
-        message.header.stamp = self._node.get_clock().now().to_msg()
+        message.header.stamp = stamp
         self._publisher.publish(message)
 
     def _hear(self, message: TransformStamped) -> None:

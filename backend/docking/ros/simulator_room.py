@@ -36,6 +36,11 @@ class SimulatorRoom:
         if NavigateToPose is not None:
             self.navigation = SimulatorNavigation(node, Routes(grid, simulation().robot.radius), simulation)
 
+    @property
+    def drives(self) -> bool:
+        """Whether a goal of navigation runs."""
+        return self.navigation is not None and self.navigation.drives
+
     def drive(self) -> None:
         """Command the next velocity, while a goal of navigation runs."""
         if self.navigation is not None:

@@ -33,6 +33,11 @@ class SimulatorSettings(NodeSettings):
         "",
         "Simulated seconds per second. Controllers expect 1, as they use the real clock.",
     )
+    publish_clock: bool = switch(
+        False,
+        "Whether the simulator has a clock of its own, which slows down where the machine is too slow; it is published "
+        "on /clock, for docking servers with use_sim_time. Applies at the next start.",
+    )
     battery_resume_after: float = number(
         3.0,
         0.0,

@@ -73,9 +73,10 @@ def test_without_one_the_environment_counts() -> None:
 def test_the_programs_of_a_robot() -> None:
     server, simulator = robot_commands(SIMULATED, Settings(namespace="/robot1")).values()
     assert server[0].endswith("/docking_server")
-    assert server[1:] == ["--ros-args", "-p", "controller:=dock_pose", "-r", "__ns:=/robot1"]
+    driving = ["-p", "controller:=dock_pose", "-p", "use_sim_time:=true"]
+    assert server[1:] == ["--ros-args", *driving, "-r", "__ns:=/robot1"]
     assert simulator[0].endswith("/dock_simulator")
-    assert simulator[1:] == ["--ros-args", "-r", "__ns:=/robot1"]
+    assert simulator[1:] == ["--ros-args", "-p", "publish_clock:=true", "-r", "__ns:=/robot1"]
     (tutorial,) = robot_commands(TUTORIAL, Settings()).values()
     assert tutorial[0].endswith("/connect_to_charging_dock_server")
     assert tutorial[1:] == []

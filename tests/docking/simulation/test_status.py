@@ -1,12 +1,16 @@
+import json
+
 import pytest
 
 from docking.simulation.faults import Fault
+from docking.simulation.room import WORKSHOP
+from docking.simulation.settings import Settings
 from docking.simulation.simulation import Simulation
 from docking.simulation.status import status_of
 
 
 def values(simulation: Simulation) -> dict[str, str]:
-    return status_of(simulation, battery_publisher="self", real_time_factor=2.5, commands=3).values()
+    return status_of(simulation, battery_publisher="self", real_time_factor=2.5, too_slow=False, commands=3).values()
 
 
 def test_it_tells_each_fault_and_where_the_robot_is() -> None:
@@ -42,6 +46,8 @@ def test_it_tells_each_fault_and_where_the_robot_is() -> None:
         "halted": "false",
         "battery_publisher": "self",
         "real_time_factor": "2.5",
+        "too_slow": "false",
+        "places": "{}",
         "commands": "3",
     }
 
@@ -52,4 +58,19 @@ def test_a_fault_is_told_by_its_name(fault: Fault) -> None:
     simulation.set_fault(fault, True)
     told = values(simulation)
     assert [name for name, value in told.items() if value == "true"] == [fault.value]
-    assert fault.value in status_of(simulation, battery_publisher="other", real_time_factor=1.0, commands=0).message
+    assert (
+        fault.value
+        in status_of(simulation, battery_publisher="other", real_time_factor=1.0, too_slow=False, commands=0).message
+    )
+
+
+def test_a_machine_that_is_too_slow_is_told() -> None:
+    status = status_of(Simulation(), battery_publisher="self", real_time_factor=0.42, too_slow=True, commands=0)
+    assert status.message == "the machine is too slow: the simulation runs at 0.42 of real time"
+    assert status.values()["too_slow"] == "true"
+
+
+def test_the_places_of_the_room_are_told() -> None:
+    places = json.loads(values(Simulation(Settings(room=WORKSHOP)))["places"])
+    assert places["shelf"] == [-4.0, -2.6, -1.5708]
+    assert places.keys() == dict(WORKSHOP.places).keys()
