@@ -292,4 +292,6 @@ export const simulator: Simulator = {
   docked: false,
   battery_publisher: "self",
   real_time_factor: 1,
+  too_slow: false,
+  places: [],
 };

@@ -66,9 +66,20 @@ class Publisher(Schema):
     started_at: datetime | None
 
 
+class Place(Schema):
+    """A named pose in the frame `world`, in m and rad."""
+
+    name: str
+    x: float
+    y: float
+    theta: float
+
+
 class Simulator(Schema):
     """The state of a simulated robot.
 
+    `too_slow`: the machine is too slow for the simulation, whose clock then slows down; `real_time_factor` is the
+    measured one. `places` are named poses in the room.
     `contact`: its contacts touch the dock; `docked`: it is also charged there. `battery_publisher` is `self`, or
     `other` while something else publishes the battery state.
     """
@@ -79,6 +90,8 @@ class Simulator(Schema):
     docked: bool | None
     battery_publisher: str | None
     real_time_factor: float | None
+    too_slow: bool | None
+    places: list[Place]
 
 
 class CalibrationService(Schema):

@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
+import orjson
+
 from dock_gateway.core.event import system_event, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.tasks import cancel
@@ -48,6 +50,11 @@ FAULTS: tuple[Fault, ...] = get_args(Fault)
 # Seconds without a report after which a simulator is gone; it reports once a second.
 GONE_AFTER = 3.5
 
+# The most places of a room.
+MAX_PLACES = 100
+# The longest name of a place, in characters.
+MAX_NAME = 100
+
 Values = Mapping[str, str]
 
 
@@ -69,6 +76,8 @@ class Simulator:
             "docked": _truth(self.values.get("docked")),
             "battery_publisher": self.values.get("battery_publisher"),
             "real_time_factor": _number(self.values.get("real_time_factor")),
+            "too_slow": _truth(self.values.get("too_slow")),
+            "places": _places(self.values.get("places")),
         }
 
 
@@ -146,3 +155,19 @@ def _number(text: str | None) -> float | None:
     except ValueError:
         return None
     return number if number is not None and math.isfinite(number) else None
+
+
+def _places(text: str | None) -> list[dict[str, Any]]:
+    """Return the places that a report has as JSON: `{"shelf": [x, y, theta]}`. What is none is left out."""
+    try:
+        places = orjson.loads(text or "{}")
+    except orjson.JSONDecodeError:
+        return []
+    if not isinstance(places, dict):
+        return []
+    named = [(name, pose) for name, pose in places.items() if 0 < len(name) <= MAX_NAME and _is_pose(pose)]
+    return [dict(zip(("name", "x", "y", "theta"), (name, *pose), strict=True)) for name, pose in named[:MAX_PLACES]]
+
+
+def _is_pose(pose: object) -> bool:
+    return isinstance(pose, list) and len(pose) == 3 and all(type(number) in {int, float} for number in pose)

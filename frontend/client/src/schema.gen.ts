@@ -4593,39 +4593,17 @@ export interface components {
         };
         /**
          * Place
-         * @description A place that missions drive to, by its id: `{"navigate": {"place": "shelf-a3"}}`.
+         * @description A named pose in the frame `world`, in m and rad.
          */
         Place: {
-            /**
-             * Etag
-             * @description The version, as in the header `ETag`: send it as `If-Match`
-             */
-            etag: string;
+            /** Name */
+            name: string;
             /** X */
             x: number;
             /** Y */
             y: number;
-            /**
-             * Yaw
-             * @default 0
-             */
-            yaw: number;
-            /**
-             * Frame
-             * @default map
-             */
-            frame: string;
-            /** Name */
-            name: string | null;
-            /** Changed By */
-            changed_by: string | null;
-            /**
-             * Changed At
-             * Format: date-time
-             */
-            changed_at: string;
-            /** Id */
-            id: string;
+            /** Theta */
+            theta: number;
         };
         /**
          * PlaceList
@@ -4633,7 +4611,7 @@ export interface components {
          */
         PlaceList: {
             /** Places */
-            places: components["schemas"]["Place"][];
+            places: components["schemas"]["dock_gateway__extensions__missions__places__place__Place"][];
         };
         /**
          * Point
@@ -5523,6 +5501,8 @@ export interface components {
          * Simulator
          * @description The state of a simulated robot.
          *
+         *     `too_slow`: the machine is too slow for the simulation, whose clock then slows down; `real_time_factor` is the
+         *     measured one. `places` are named poses in the room.
          *     `contact`: its contacts touch the dock; `docked`: it is also charged there. `battery_publisher` is `self`, or
          *     `other` while something else publishes the battery state.
          */
@@ -5541,6 +5521,10 @@ export interface components {
             battery_publisher: string | null;
             /** Real Time Factor */
             real_time_factor: number | null;
+            /** Too Slow */
+            too_slow: boolean | null;
+            /** Places */
+            places: components["schemas"]["Place"][];
         };
         /**
          * SimulatorEvent
@@ -6564,6 +6548,56 @@ export interface components {
              *     The time 1.7 seconds is represented as {sec: 1, nanosec: 7e8}
              */
             nanosec?: number;
+        };
+        /**
+         * Place
+         * @description A place that missions drive to, by its id: `{"navigate": {"place": "shelf-a3"}}`.
+         */
+        dock_gateway__extensions__missions__places__place__Place: {
+            /**
+             * Etag
+             * @description The version, as in the header `ETag`: send it as `If-Match`
+             */
+            etag: string;
+            /** X */
+            x: number;
+            /** Y */
+            y: number;
+            /**
+             * Yaw
+             * @default 0
+             */
+            yaw: number;
+            /**
+             * Frame
+             * @default map
+             */
+            frame: string;
+            /** Name */
+            name: string | null;
+            /** Changed By */
+            changed_by: string | null;
+            /**
+             * Changed At
+             * Format: date-time
+             */
+            changed_at: string;
+            /** Id */
+            id: string;
+        };
+        /**
+         * Place
+         * @description A named pose in the frame `world`, in m and rad.
+         */
+        dock_gateway__robots__schema__Place: {
+            /** Name */
+            name: string;
+            /** X */
+            x: number;
+            /** Y */
+            y: number;
+            /** Theta */
+            theta: number;
         };
         /**
          * Header
@@ -10089,7 +10123,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Place"];
+                    "application/json": components["schemas"]["dock_gateway__extensions__missions__places__place__Place"];
                 };
             };
             /** @description Unauthorized */
@@ -10179,7 +10213,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Place"];
+                    "application/json": components["schemas"]["dock_gateway__extensions__missions__places__place__Place"];
                 };
             };
             /** @description It is new */
@@ -10192,7 +10226,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Place"];
+                    "application/json": components["schemas"]["dock_gateway__extensions__missions__places__place__Place"];
                 };
             };
             /** @description Bad Request */

@@ -3,6 +3,7 @@
 from collections.abc import AsyncIterator
 from typing import Any
 
+import orjson
 import pytest
 
 from dock_gateway.core.fanout import Fanout
@@ -48,3 +49,31 @@ async def test_one_that_is_silent_stays_known_but_is_not_available(simulators: S
     known = simulators.document("/robot1")
     assert known is not None
     assert not known["available"]
+
+
+@pytest.mark.parametrize(
+    ("text", "places"),
+    [
+        ('{"shelf": [-4.0, -2.6, -1.57]}', [{"name": "shelf", "x": -4.0, "y": -2.6, "theta": -1.57}]),
+        ('{"a": [1, 2, 3], "b": [1, 2], "c": "d", "": [0, 0, 0], "e": [true, 0, 0], "f": [NaN, 0, 0]}', []),
+        ('{"a": [1, 2, 3], "b": [1, 2], "c": "d", "": [0, 0, 0], "e": [true, 0, 0]}', ["a"]),
+        ("[1, 2]", []),
+        ("{", []),
+        (None, []),
+    ],
+)
+async def test_places_are_taken_from_a_report(simulators: Simulators, text: str | None, places: list[Any]) -> None:
+    simulators.on_report("/robot1", REPORT if text is None else {**REPORT, "places": text, "too_slow": "true"})
+    known = simulators.document("/robot1")
+    assert known is not None
+    assert known["too_slow"] is (None if text is None else True)
+    names = [place["name"] for place in known["places"]]
+    assert known["places"] == places or names == places
+
+
+async def test_there_are_only_so_many_places(simulators: Simulators) -> None:
+    text = orjson.dumps({str(number): [0, 0, 0] for number in range(1000)}).decode()
+    simulators.on_report("/robot1", {**REPORT, "places": text})
+    known = simulators.document("/robot1")
+    assert known is not None
+    assert len(known["places"]) == 100
