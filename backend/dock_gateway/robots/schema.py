@@ -66,7 +66,7 @@ class Publisher(Schema):
     started_at: datetime | None
 
 
-class Place(Schema):
+class SimulatorPlace(Schema):
     """A named pose in the frame `world`, in m and rad."""
 
     name: str
@@ -91,7 +91,7 @@ class Simulator(Schema):
     battery_publisher: str | None
     real_time_factor: float | None
     too_slow: bool | None
-    places: list[Place]
+    places: list[SimulatorPlace]
 
 
 class CalibrationService(Schema):

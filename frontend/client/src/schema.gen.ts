@@ -4593,17 +4593,39 @@ export interface components {
         };
         /**
          * Place
-         * @description A named pose in the frame `world`, in m and rad.
+         * @description A place that missions drive to, by its id: `{"navigate": {"place": "shelf-a3"}}`.
          */
         Place: {
-            /** Name */
-            name: string;
+            /**
+             * Etag
+             * @description The version, as in the header `ETag`: send it as `If-Match`
+             */
+            etag: string;
             /** X */
             x: number;
             /** Y */
             y: number;
-            /** Theta */
-            theta: number;
+            /**
+             * Yaw
+             * @default 0
+             */
+            yaw: number;
+            /**
+             * Frame
+             * @default map
+             */
+            frame: string;
+            /** Name */
+            name: string | null;
+            /** Changed By */
+            changed_by: string | null;
+            /**
+             * Changed At
+             * Format: date-time
+             */
+            changed_at: string;
+            /** Id */
+            id: string;
         };
         /**
          * PlaceList
@@ -4611,7 +4633,7 @@ export interface components {
          */
         PlaceList: {
             /** Places */
-            places: components["schemas"]["dock_gateway__extensions__missions__places__place__Place"][];
+            places: components["schemas"]["Place"][];
         };
         /**
          * Point
@@ -5524,7 +5546,7 @@ export interface components {
             /** Too Slow */
             too_slow: boolean | null;
             /** Places */
-            places: components["schemas"]["Place"][];
+            places: components["schemas"]["SimulatorPlace"][];
         };
         /**
          * SimulatorEvent
@@ -5544,6 +5566,20 @@ export interface components {
             /** Robot */
             robot: string;
             simulator: components["schemas"]["Simulator"];
+        };
+        /**
+         * SimulatorPlace
+         * @description A named pose in the frame `world`, in m and rad.
+         */
+        SimulatorPlace: {
+            /** Name */
+            name: string;
+            /** X */
+            x: number;
+            /** Y */
+            y: number;
+            /** Theta */
+            theta: number;
         };
         /**
          * SnapshotEvent
@@ -6548,56 +6584,6 @@ export interface components {
              *     The time 1.7 seconds is represented as {sec: 1, nanosec: 7e8}
              */
             nanosec?: number;
-        };
-        /**
-         * Place
-         * @description A place that missions drive to, by its id: `{"navigate": {"place": "shelf-a3"}}`.
-         */
-        dock_gateway__extensions__missions__places__place__Place: {
-            /**
-             * Etag
-             * @description The version, as in the header `ETag`: send it as `If-Match`
-             */
-            etag: string;
-            /** X */
-            x: number;
-            /** Y */
-            y: number;
-            /**
-             * Yaw
-             * @default 0
-             */
-            yaw: number;
-            /**
-             * Frame
-             * @default map
-             */
-            frame: string;
-            /** Name */
-            name: string | null;
-            /** Changed By */
-            changed_by: string | null;
-            /**
-             * Changed At
-             * Format: date-time
-             */
-            changed_at: string;
-            /** Id */
-            id: string;
-        };
-        /**
-         * Place
-         * @description A named pose in the frame `world`, in m and rad.
-         */
-        dock_gateway__robots__schema__Place: {
-            /** Name */
-            name: string;
-            /** X */
-            x: number;
-            /** Y */
-            y: number;
-            /** Theta */
-            theta: number;
         };
         /**
          * Header
@@ -10123,7 +10109,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["dock_gateway__extensions__missions__places__place__Place"];
+                    "application/json": components["schemas"]["Place"];
                 };
             };
             /** @description Unauthorized */
@@ -10213,7 +10199,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["dock_gateway__extensions__missions__places__place__Place"];
+                    "application/json": components["schemas"]["Place"];
                 };
             };
             /** @description It is new */
@@ -10226,7 +10212,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["dock_gateway__extensions__missions__places__place__Place"];
+                    "application/json": components["schemas"]["Place"];
                 };
             };
             /** @description Bad Request */
