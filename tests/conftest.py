@@ -58,8 +58,10 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.fixture(autouse=True)
 def own_data_directory(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What a gateway keeps in the user's data directory is the test's own, a folder that it makes itself."""
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path_factory.getbasetemp() / f"data{next(numbers)}"))
+    """What a gateway keeps in the user's directories is the test's own, in a folder that it makes itself."""
+    folder = str(tmp_path_factory.getbasetemp() / f"data{next(numbers)}")
+    monkeypatch.setenv("XDG_DATA_HOME", folder)
+    monkeypatch.setenv("XDG_STATE_HOME", folder)
 
 
 @pytest.fixture(autouse=True)

@@ -44,6 +44,11 @@ def data_file(name: str) -> Path:
     return platformdirs.user_data_path("dock-gateway", appauthor=False) / name
 
 
+def log_file(name: str) -> Path:
+    """A path in the user's log directory."""
+    return platformdirs.user_log_path("dock-gateway", appauthor=False) / name
+
+
 def unknown_variables(environment: Iterable[str], fields: Iterable[str]) -> list[str]:
     """Return a sentence for each variable that looks like a setting but is none, with a similar setting.
 

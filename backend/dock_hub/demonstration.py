@@ -16,6 +16,7 @@ from typing import Any
 
 import click
 
+from dock_gateway.cli.output import Output
 from dock_gateway.cli.supervisor import END_TIMEOUT, ReadinessProbe, supervise
 from dock_gateway.sites.identity import Signer
 
@@ -145,6 +146,7 @@ def run_sites(  # noqa: PLR0917 - called by its entry point
     hub_arguments: Sequence[str],
     programs: Mapping[str, Sequence[str]],
     namespace: str,
+    output: Output,
     end_timeout: float = END_TIMEOUT,
 ) -> None:
     """Run the demonstration until a signal arrives.
@@ -155,6 +157,7 @@ def run_sites(  # noqa: PLR0917 - called by its entry point
         hub_arguments: Options of the hub.
         programs: Start the robots of one site, by what they are called.
         namespace: Of each site's default robot.
+        output: Where lines of the programs go.
         end_timeout: Seconds that the programs have to end by themselves.
 
     Raises:
@@ -184,13 +187,13 @@ def run_sites(  # noqa: PLR0917 - called by its entry point
                 environments[f"{part} of {site}"] = environment
         links = "".join(f"    {site}: http://127.0.0.1:{port}\n" for site, port in zip(names, ports, strict=True))
         readiness = ReadinessProbe(
-            "/sites", partial(all_connected, len(ports)), f"\n  The sites' own gateways, which need no hub:\n{links}"
+            "/sites", partial(all_connected, len(ports)), f"  The sites' own gateways, which need no hub:\n{links}"
         )
         supervising = supervise(
-            commands, hub_url, environments=environments, readiness=readiness, end_timeout=end_timeout
+            commands, hub_url, output, environments=environments, readiness=readiness, end_timeout=end_timeout
         )
         if not asyncio.run(supervising):
-            raise click.ClickException("the hub could not be started; see the messages above")
+            raise click.ClickException(f"the hub could not be started; see the messages above, and {output.path}")
 
 
 def all_connected(count: int, document: Any) -> bool:

@@ -9,6 +9,7 @@ from importlib.metadata import EntryPoint, entry_points
 import click
 
 from dock_gateway import __version__
+from dock_gateway.cli.groups import WHOLE
 from dock_gateway.cli.shared_options import json_option, url_option
 
 # The commands in the order of the help, by heading, and the modules that they are in.
@@ -91,7 +92,7 @@ class LazyGroup(click.Group):
         sections: dict[str, list[tuple[str, str]]] = {heading: [] for heading in (*SECTIONS, FURTHER)}
         for name in self.list_commands(ctx):
             if (command := self.get_command(ctx, name)) is not None and not command.hidden:
-                sections[placed.get(name, FURTHER)].append((name, command.get_short_help_str(60)))
+                sections[placed.get(name, FURTHER)].append((name, command.get_short_help_str(WHOLE)))
         for heading, lines in sections.items():
             if lines:
                 with formatter.section(heading):

@@ -6,6 +6,7 @@ import click
 
 from dock_gateway.cli.asking import asks, gateway, print_json, robot_option, wanted
 from dock_gateway.cli.events import BY_NAME, describe
+from dock_gateway.cli.groups import CommandGroup
 from dock_gateway.client import Battery
 
 
@@ -24,7 +25,7 @@ class StatusChoice(click.ParamType[int]):
         return self.fail(f"{value!r} is not one of {', '.join(BY_NAME)} or 0 to 255", param, ctx)
 
 
-@click.group(invoke_without_command=True)
+@click.group(cls=CommandGroup, invoke_without_command=True)
 @robot_option
 @asks
 @click.pass_context

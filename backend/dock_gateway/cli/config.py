@@ -9,6 +9,7 @@ import click
 import orjson
 from pydantic import SecretStr
 
+from dock_gateway.cli.groups import CommandGroup
 from dock_gateway.cli.options import (
     TYPE,
     SettingsCommand,
@@ -26,7 +27,7 @@ HIDDEN = "********"
 PASSWORD = re.compile(r"(?<=:)[^:@/]+(?=@)")
 
 
-@click.group()
+@click.group(cls=CommandGroup)
 def config() -> None:
     """Show and check the settings that a gateway would have."""
 

@@ -11,6 +11,7 @@ import click
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
+from dock_gateway.cli.groups import CommandGroup
 from dock_gateway.extension_list import settings_type
 from dock_gateway.setting_groups.group import CONFIG, PREFIX, SettingsGroup
 from dock_gateway.setting_types import Tuning
@@ -76,7 +77,7 @@ class SettingsCommand(click.Command):
         _format_options(self, ctx, formatter)
 
 
-class CommandsWithSettings(click.Group):
+class CommandsWithSettings(CommandGroup):
     """A command with settings that has further commands."""
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

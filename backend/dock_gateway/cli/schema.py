@@ -6,6 +6,7 @@ from typing import Any
 import click
 import orjson
 
+from dock_gateway.cli.groups import CommandGroup
 from dock_gateway.settings import Settings
 
 # Applications of other programs, by name: each is a function that makes one.
@@ -19,7 +20,7 @@ def _flags(command: Any) -> Any:
     return command
 
 
-@click.group()
+@click.group(cls=CommandGroup)
 def schema() -> None:
     """Print the documents of the API."""
 

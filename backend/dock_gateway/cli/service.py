@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 import platformdirs
 
+from dock_gateway.cli.groups import CommandGroup
 from dock_gateway.cli.serve import ROS_PREFIXES
 from dock_gateway.cli.service_unit import find_unreadable, paths, system_unit, user_unit
 from dock_gateway.cli.start import check_ros
@@ -27,7 +28,7 @@ SETTINGS = """\
 """
 
 
-@click.group()
+@click.group(cls=CommandGroup)
 def service() -> None:
     """Run the gateway as a service of systemd."""
 

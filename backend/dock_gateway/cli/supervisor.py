@@ -5,14 +5,17 @@ import contextlib
 import signal
 import ssl
 import subprocess
+import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from operator import itemgetter
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import click
 import httpx2
 
+from dock_gateway.cli.output import LAST_LINES, Output
 from dock_gateway.client.connection import tls_context
 from robot_io.children import end_with_parent
 
@@ -27,14 +30,21 @@ class Program:
         name: Its name in messages.
         command: Starts it.
         longest: The longest delay before it is started again, in seconds.
+        output: Where its lines go.
         environment: Its variables; by default those of this process.
     """
 
     def __init__(
-        self, name: str, command: Sequence[str], longest: float, environment: Mapping[str, str] | None = None
+        self,
+        name: str,
+        command: Sequence[str],
+        longest: float,
+        output: Output,
+        environment: Mapping[str, str] | None = None,
     ) -> None:
         self.name = name
         self._longest = longest
+        self._output = output
         self._command = command
         self._environment = environment
         self._backoff = 1.0
@@ -46,8 +56,17 @@ class Program:
         self._restart_at = None
         self.started_at = time.monotonic()
         self.process = subprocess.Popen(
-            self._command, env=self._environment, start_new_session=True, preexec_fn=end_with_parent
+            self._command,
+            env=self._environment,
+            start_new_session=True,
+            preexec_fn=end_with_parent,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            encoding="utf-8",
+            errors="backslashreplace",
         )
+        self.reader: threading.Thread = self._output.follow(self.process)
 
     def restart_if_dead(self) -> None:
         """Restart the process if it has died, after a growing delay."""
@@ -57,14 +76,11 @@ class Program:
                 self.start()
         elif (code := self.process.poll()) is not None:
             self._backoff = 1.0 if now - self.started_at > 4 * self._backoff else min(2 * self._backoff, self._longest)
-            click.echo(
-                f"dock-gateway: {self.name} ended ({code}); starting it again in {self._backoff:g} s",
-                err=True,
-            )
+            self._output.note(f"{self.name} ended ({code}); starting it again in {self._backoff:g} s")
             self._restart_at = now + self._backoff
 
 
-def _end(programs: Sequence[Program], timeout: float) -> None:
+def _end(programs: Sequence[Program], timeout: float, output: Output) -> None:
     deadline = time.monotonic() + timeout
     for program in programs:
         if program.process.poll() is None:
@@ -74,9 +90,12 @@ def _end(programs: Sequence[Program], timeout: float) -> None:
         try:
             program.process.wait(max(0.0, deadline - time.monotonic()))
         except subprocess.TimeoutExpired:
-            click.echo(f"dock-gateway: {program.name} does not exit and is killed", err=True)
+            output.note(f"{program.name} does not exit and is killed")
             program.process.kill()
             program.process.wait()
+    last_lines_by = time.monotonic() + LAST_LINES
+    for program in programs:
+        program.reader.join(max(0.0, last_lines_by - time.monotonic()))
 
 
 class ReadinessProbe(NamedTuple):
@@ -85,7 +104,7 @@ class ReadinessProbe(NamedTuple):
     Attributes:
         path: Is asked for at the gateway.
         holds: Whether its answer, a JSON document, says so.
-        text: More lines to print then.
+        text: Lines to print then, each indented by two spaces.
     """
 
     path: str = "/readyz"
@@ -96,7 +115,7 @@ class ReadinessProbe(NamedTuple):
 GATEWAY_READY = ReadinessProbe()
 
 
-async def _announce(url: str, readiness: ReadinessProbe) -> None:
+async def _announce(url: str, readiness: ReadinessProbe, log: Path) -> None:
     context = tls_context(url)
     if context is not None:  # the certificate is for another name than that of this machine's loopback interface
         context.check_hostname = False
@@ -107,12 +126,14 @@ async def _announce(url: str, readiness: ReadinessProbe) -> None:
             await asyncio.sleep(0.1)
             with contextlib.suppress(httpx2.HTTPError, ValueError, KeyError):
                 ready = readiness.holds((await http.get(f"{url}{readiness.path}")).json())
-    click.secho(f"\n  dock-gateway is ready: open {url}   (Ctrl-C ends it)\n{readiness.text}", bold=True)
+    click.secho(f"\n  dock-gateway is ready: open {url}   (Ctrl-C ends it)\n", bold=True)
+    click.echo(f"{readiness.text}  Log:  {log}\n")
 
 
 async def supervise(
     commands: Mapping[str, Sequence[str]],
     url: str,
+    output: Output,
     *,
     environments: Mapping[str, Mapping[str, str]] = {},
     readiness: ReadinessProbe = GATEWAY_READY,
@@ -125,6 +146,7 @@ async def supervise(
     Args:
         commands: Start the programs.
         url: Where the gateway will be.
+        output: Where lines of the programs go.
         environments: The variables of programs that have their own, by the program's name.
         readiness: When everything is up.
         start_window: Seconds. A gateway that ends earlier has not started at all: its port is taken, or its settings
@@ -136,9 +158,11 @@ async def supervise(
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # `nohup` sets it to be ignored
             asyncio.get_running_loop().add_signal_handler(number, ended.set)
-    programs = [Program(name, command, longest_delay, environments.get(name)) for name, command in commands.items()]
+    programs = [
+        Program(name, command, longest_delay, output, environments.get(name)) for name, command in commands.items()
+    ]
     started_by = time.monotonic() + start_window
-    announcing = asyncio.create_task(_announce(url, readiness))
+    announcing = asyncio.create_task(_announce(url, readiness, output.path))
     try:
         while not ended.is_set():
             if time.monotonic() < started_by and programs[0].process.poll() is not None:
@@ -148,5 +172,5 @@ async def supervise(
             await asyncio.sleep(0.1)
     finally:
         announcing.cancel()
-        _end(programs, end_timeout)
+        _end(programs, end_timeout, output)
     return True

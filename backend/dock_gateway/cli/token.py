@@ -9,11 +9,12 @@ from typing import Any
 import click
 
 from dock_gateway.cli.accounts import database_option, describe_limits, grant_options, make_grant, with_logins
+from dock_gateway.cli.groups import CommandGroup
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.event import utc_now
 
 
-@click.group()
+@click.group(cls=CommandGroup)
 def token() -> None:
     """Create, list and delete tokens."""
 

@@ -11,11 +11,12 @@ from typing import Any
 import click
 
 from dock_gateway.cli.options import SettingsCommand, arguments_of, read_settings, settings_options
+from dock_gateway.cli.output import Output, use_one_format
 from dock_gateway.cli.programs import find_program
 from dock_gateway.cli.start import check_port, check_start
-from dock_gateway.cli.supervisor import END_TIMEOUT, supervise
+from dock_gateway.cli.supervisor import END_TIMEOUT, ReadinessProbe, supervise
 from dock_gateway.doctor.machine import own_url
-from dock_gateway.settings import Settings
+from dock_gateway.settings import Settings, log_file
 from robot_io.children import MAX_ROBOTS
 
 # The most simulated sites.
@@ -29,6 +30,18 @@ SIMULATED: Programs = {
     "the simulator": ("dock_simulator", ("-p", "publish_clock:=true")),
 }
 TUTORIAL: Programs = {"the action server": ("connect_to_charging_dock_server", ())}
+
+# What to try first. Where it stands in the terminal, a reader has the page open already.
+TRY_SIMULATED = """\
+  Try:  press Dock: the robot drives to its dock and charges. Then press Undock.
+        curl -X POST {url}/dock     does the same
+        press Stop: the robot stands still until you press Release.
+"""
+TRY_TUTORIAL = """\
+  Try:  publish a battery state on the robot's page: NOT CHARGING, once a second.
+        curl -X POST {url}/dock     the robot turns, and looks for its dock
+        publish CHARGING: the goal succeeds.
+"""
 
 
 def stay_on_this_machine(environment: MutableMapping[str, str], *, always: bool) -> None:
@@ -97,8 +110,11 @@ def default_robot(settings: Settings, robots: int) -> str:
     type=click.IntRange(1, MAX_SITES),
     help="Simulated sites, each with a gateway and --count of its own, behind one hub. Other options are the hub's.",
 )
+@click.option("-v", "--verbose", is_flag=True, help="Print every line of the log, not only warnings and errors.")
 @partial(settings_options, leave_out={"serve_robots"})
-def up(no_sim: bool, count: int | None, docks: int | None, sites: int | None, **options: Any) -> None:
+def up(
+    no_sim: bool, count: int | None, docks: int | None, sites: int | None, verbose: bool, **options: Any
+) -> None:
     """Run the gateway, a docking server and a simulated robot together, until Ctrl-C ends them all.
 
     They meet only ROS nodes on this machine: trying it out must not move a robot that happens to be on the same
@@ -114,7 +130,8 @@ def up(no_sim: bool, count: int | None, docks: int | None, sites: int | None, **
             raise click.UsageError("--sites are simulated: leave out --no-sim")
         if settings.namespace.strip("/"):
             raise click.UsageError("namespace: the robots of --sites have no other names than their site gives them")
-        _up_with_sites(sites, None if count is None else fleet(count, docks), count or 1, settings, options)
+        command = None if count is None else fleet(count, docks)
+        _up_with_sites(sites, command, count or 1, settings, options, verbose=verbose)
         return
     if count is not None:
         if no_sim:
@@ -127,15 +144,33 @@ def up(no_sim: bool, count: int | None, docks: int | None, sites: int | None, **
     commands = robot_commands(programs, settings) if count is None else {"the fleet": fleet(count, docks)}
 
     gateway = [sys.executable, "-m", "dock_gateway", "serve", *arguments_of(options)]
-    running = supervise(
-        {"the gateway": gateway} | commands, own_url(settings), end_timeout=END_TIMEOUT + 0.2 * (count or 0)
-    )
-    if not asyncio.run(running):
-        raise click.ClickException("the gateway could not be started; see the messages above")
+    url = own_url(settings)
+    with open_output(settings, verbose=verbose) as output:
+        running = supervise(
+            {"the gateway": gateway} | commands,
+            url,
+            output,
+            readiness=ReadinessProbe(text=(TRY_TUTORIAL if no_sim else TRY_SIMULATED).format(url=url)),
+            end_timeout=END_TIMEOUT + 0.2 * (count or 0),
+        )
+        if not asyncio.run(running):
+            raise click.ClickException(f"the gateway could not be started; see the messages above, and {output.path}")
+
+
+def open_output(settings: Settings, *, verbose: bool) -> Output:
+    """Open the log, one for each port, and let ROS write times as the gateway does."""
+    use_one_format(os.environ)
+    return Output(log_file(f"up-{settings.port}.log"), verbose=verbose)
 
 
 def _up_with_sites(
-    sites: int, fleet_command: list[str] | None, robots: int, settings: Settings, options: dict[str, Any]
+    sites: int,
+    fleet_command: list[str] | None,
+    robots: int,
+    settings: Settings,
+    options: dict[str, Any],
+    *,
+    verbose: bool,
 ) -> None:
     """Run sites, by what another program adds for that; their gateways listen on the ports after the first.
 
@@ -155,4 +190,5 @@ def _up_with_sites(
     else:
         programs, namespace = {"the fleet": fleet_command}, "/robot1"
     end_timeout = END_TIMEOUT + 0.2 * sites * robots
-    run_sites.load()(ports, own_url(settings), arguments_of(options), programs, namespace, end_timeout)
+    with open_output(settings, verbose=verbose) as output:
+        run_sites.load()(ports, own_url(settings), arguments_of(options), programs, namespace, output, end_timeout)

@@ -9,6 +9,7 @@ import sys
 import click
 
 from dock_gateway.cli.accounts import database_option, describe_limits, grant_options, make_grant, with_logins
+from dock_gateway.cli.groups import CommandGroup
 
 
 def read_name(_: click.Context, __: click.Parameter, name: str) -> str:
@@ -50,7 +51,7 @@ def read_password() -> str:
     return password
 
 
-@click.group()
+@click.group(cls=CommandGroup)
 def user() -> None:
     """Create, list, change and delete users, who log in with a name and a password."""
 

@@ -33,6 +33,8 @@ def printable(text: str) -> str:
 class HumanFormatter(logging.Formatter):
     """Writes the message of a record in one line, whatever clients have sent. Tracebacks follow it."""
 
+    default_msec_format = "%s.%03d"  # as ROS writes times
+
     def __init__(self) -> None:
         super().__init__(HUMAN)
 

@@ -10,6 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from dock_gateway.cli import main
+from dock_gateway.cli.output import Output
 from dock_gateway.cli.supervisor import supervise
 from dock_gateway.cli.up import (
     SIMULATED,
@@ -95,17 +96,21 @@ async def test_a_gateway_that_has_run_is_started_again_and_again(tmp_path: Path)
     starts = tmp_path / "starts"
     starts.touch()
     command = [sys.executable, "-c", GATEWAY, str(starts)]
-    supervising = asyncio.create_task(
-        supervise({"the gateway": command}, "http://127.0.0.1:1", start_window=1.0, longest_delay=0.1)
-    )
-    await until(lambda: supervising.done() or starts.read_text() == "xxx")
-    assert not supervising.done()
-    os.kill(os.getpid(), signal.SIGTERM)
-    assert await supervising
+    with Output(tmp_path / "up.log") as output:
+        supervising = asyncio.create_task(
+            supervise({"the gateway": command}, "http://127.0.0.1:1", output, start_window=1.0, longest_delay=0.1)
+        )
+        await until(lambda: supervising.done() or starts.read_text() == "xxx")
+        assert not supervising.done()
+        os.kill(os.getpid(), signal.SIGTERM)
+        assert await supervising
 
 
-async def test_a_gateway_that_cannot_start_ends_everything() -> None:
-    assert not await supervise({"the gateway": [sys.executable, "-c", ""]}, "http://127.0.0.1:1")
+async def test_a_gateway_that_cannot_start_ends_everything(tmp_path: Path) -> None:
+    command = [sys.executable, "-c", "print('the last word')"]
+    with Output(tmp_path / "up.log") as output:
+        assert not await supervise({"the gateway": command}, "http://127.0.0.1:1", output)
+    assert (tmp_path / "up.log").read_text() == "the last word\n"
 
 
 def test_a_fleet_and_the_robot_that_is_meant_without_a_name() -> None:

@@ -7,11 +7,12 @@ import click
 
 from dock_gateway.cli.accounts import database_option
 from dock_gateway.cli.databases import Choice
+from dock_gateway.cli.groups import CommandGroup
 from dock_gateway.cli.options import read_settings
 from dock_gateway.core.audit import START, Verdict
 
 
-@click.group()
+@click.group(cls=CommandGroup)
 def audit() -> None:
     """Check the audit log."""
 

@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 from dock_gateway.cli.asking import asks, gateway, print_json, print_table, robot_option, wanted
+from dock_gateway.cli.groups import CommandGroup
 from dock_gateway.client import Client
 from dock_gateway.core.log_config import printable
 from dock_gateway.extensions.missions.step import KINDS
@@ -18,7 +19,7 @@ INTERVAL = 1.0
 ENDED = ("succeeded", "failed", "canceled")
 
 
-@click.group()
+@click.group(cls=CommandGroup)
 def mission() -> None:
     """Let a robot do one thing after the other."""
 
