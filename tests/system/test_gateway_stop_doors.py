@@ -139,13 +139,13 @@ def command(world: World, *arguments: str) -> str:
 
 @pytest.mark.parametrize("option", [(), ("--reason", "a person"), ("--by",), ("--robot",)])
 def test_the_command_line_stops_all_and_names_them(world: World, option: tuple[str, ...]) -> None:
-    assert "zero velocity published to /robot1, /robot2" in command(world, "stop", *option)
+    assert "stopped /robot1, /robot2: zero velocity" in command(world, "stop", *option)
     command(world, "release")
     assert world.gateway.http.get("/stop").json()["robots"] == []
 
 
 def test_the_command_line_names_who_is_not_stopped(world: World) -> None:
     output = command(world, "stop", "/robot2")
-    assert "published to /robot2" in output
+    assert "stopped /robot2: zero velocity" in output
     assert "not stopped: /robot1" in output
     command(world, "release")

@@ -25,7 +25,8 @@ class Choice:
         self._used = own is not None and is_open(own)
         others = [path for path in sorted(data_file("").glob(DATABASES)) if own is None or not _same(path, own)]
         self._open = [path for path in others if is_open(path)]
-        self._closed = [path for path in others if not is_open(path)]
+        written = 0.0 if own is None else _written_at(own)
+        self._newer = [path for path in others if not is_open(path) and _written_at(path) > written]
 
     def report(self, verb: str) -> None:
         """Say which database it was, and where a gateway may use another one. Goes to the standard error output.
@@ -40,8 +41,8 @@ class Choice:
             return
         if self._open:
             why, paths = "a gateway seems to use another database, and knows nothing of this one", self._open
-        elif self._closed:
-            why, paths = "gateways with another ROS_DOMAIN_ID or discovery range have other databases", self._closed
+        elif self._newer:
+            why, paths = "a gateway with another ROS_DOMAIN_ID or discovery range has used its own since", self._newer
         else:
             return
         options = "".join(f"\n  --database-url {SQLITE}{path}" for path in paths)
@@ -56,6 +57,14 @@ class Choice:
 def is_open(path: Path) -> bool:
     """Return whether a process has opened a SQLite database, or was killed with it open."""
     return path.with_name(path.name + OPEN).exists()
+
+
+def _written_at(path: Path) -> float:
+    """Return when a file was written, in seconds since 1970; 0 if there is none."""
+    try:
+        return path.stat().st_mtime
+    except FileNotFoundError:
+        return 0.0
 
 
 def _same(path: Path, other: Path) -> bool:

@@ -11,30 +11,58 @@ POWER_SUPPLY_STATUS = {0: "UNKNOWN", 1: "CHARGING", 2: "DISCHARGING", 3: "NOT CH
 BY_NAME = {name.replace(" ", "_").lower(): number for number, name in POWER_SUPPLY_STATUS.items()}
 
 
-def show(event: dict[str, Any], *, as_json: bool) -> None:
-    """Print an event for a person, or as JSON."""
-    if as_json:
-        click.echo(orjson.dumps(event))
-        return
+class EventPrinter:
+    """Prints events for a person, without feedback that reads as the one before it; or as JSON, all of them.
+
+    Args:
+        as_json: Whether as JSON.
+    """
+
+    def __init__(self, *, as_json: bool) -> None:
+        self._as_json = as_json
+        self._feedback: dict[str, list[str]] = {}  # of goals that run: the last lines
+
+    def show(self, event: dict[str, Any]) -> None:
+        """Print an event."""
+        kind, goal_id = event["type"], event.get("goal_id", "")
+        if kind == "heartbeat":
+            return
+        lines = [orjson.dumps(event).decode()] if self._as_json else lines_of(event)
+        if kind == "result":
+            self._feedback.pop(goal_id, None)
+        elif kind == "feedback" and not self._as_json:
+            if self._feedback.get(goal_id) == lines:
+                return
+            self._feedback[goal_id] = lines
+        for line in lines:
+            click.echo(line)
+
+
+def lines_of(event: dict[str, Any]) -> list[str]:
+    """Return what a person reads about an event; nothing if it is of no interest."""
     kind, goal_id = event["type"], event.get("goal_id", "")[:8]
-    if kind == "snapshot":
-        running = [goal for goal in event["goals"] if not goal["finished_at"]]
-        for goal in running or event["goals"][:1]:
-            click.echo(
-                f"{goal['goal_id'][:8]} {goal['status']}"
-                + (f" ({goal['origin']})" if goal["origin"] != "gateway" else "")
-            )
-    elif kind == "status":
-        running = event["status"] == "executing" and event["stage"]
-        stage = f", {event['stage'].lower().replace('_', ' ')}" if running else ""
-        error = f": {event['error']['detail']}" if event["error"] else ""
-        click.echo(printable(f"{goal_id} {event['status']}{stage}{error}"))
-    elif kind == "feedback":
-        click.echo(printable(f"{goal_id} feedback {describe(event['feedback'])}"))
-    elif kind == "result":
-        click.echo(printable(f"{goal_id} result {describe(event['result'] or {})}"))
-    elif kind in ("dropped", "closing"):
-        click.echo(orjson.dumps(event))
+    match kind:
+        case "snapshot":
+            running = [goal for goal in event["goals"] if not goal["finished_at"]]
+            return [_line_of(goal) for goal in running or event["goals"][:1]]
+        case "status":
+            running = event["status"] == "executing" and event["stage"]
+            stage = f", {event['stage'].lower().replace('_', ' ')}" if running else ""
+            error = f": {event['error']['detail']}" if event["error"] else ""
+            return [printable(f"{goal_id} {event['status']}{stage}{error}")]
+        case "feedback":
+            return [printable(f"{goal_id} feedback {describe(event['feedback'])}")]
+        case "result":
+            return [printable(f"{goal_id} result {describe(event['result'] or {})}")]
+        case "dropped" | "closing":
+            return [orjson.dumps(event).decode()]
+        case _:
+            return []
+
+
+def _line_of(goal: dict[str, Any]) -> str:
+    origin = "" if goal["origin"] == "gateway" else f" ({goal['origin']})"
+    return f"{goal['goal_id'][:8]} {goal['status']}{origin}"
 
 
 def describe(message: dict[str, Any]) -> str:

@@ -20,7 +20,7 @@ from dock_gateway.cli.asking import (
     robot_option,
     wanted,
 )
-from dock_gateway.cli.events import describe, show
+from dock_gateway.cli.events import EventPrinter, describe
 from dock_gateway.client import Client, Goal, GoalHandle
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.core.log_config import printable
@@ -135,9 +135,9 @@ def carry_out(send_once: Callable[..., GoalHandle], *, no_wait: bool) -> None:
 
 def follow(goal: GoalHandle) -> Goal:
     """Show a goal's events until it ends. Return its state."""
+    printer = EventPrinter(as_json=bool(wanted("as_json")))
     for event in goal.events():
-        if event.type != "heartbeat":
-            show(event.document, as_json=bool(wanted("as_json")))
+        printer.show(event.document)
     return goal.refresh()
 
 
@@ -176,8 +176,9 @@ def watch(goal_id: str | None, robot: str | None) -> None:
         if goal_id is not None:
             follow(client.goal(goal_id))
             return
+        printer = EventPrinter(as_json=bool(wanted("as_json")))
         for event in client.events(robot=robot):
-            show(event.document, as_json=bool(wanted("as_json")))
+            printer.show(event.document)
 
 
 @click.command()

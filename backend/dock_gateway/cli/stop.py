@@ -1,6 +1,7 @@
 """`dock-gateway stop` and `release`. They import little: a stop must not wait for what it does not need."""
 
 import sys
+from collections.abc import Sequence
 
 import click
 
@@ -51,8 +52,7 @@ def stop(names: tuple[str, ...], robots: tuple[str, ...], no_latch: bool, by: st
     if wanted("as_json"):
         print_json(report)
         sys.exit(1 if report.failed or report.unconfirmed else 0)
-    stopped = ", ".join(report.stopped) or "no robot that you may see"
-    click.echo(printable(f"zero velocity published to {stopped}; canceling {', '.join(report.canceling) or 'no goal'}"))
+    click.echo(printable(describe(report.stopped, report.canceling)))
     if report.not_stopped:
         click.echo(printable(f"not stopped: {', '.join(report.not_stopped)}"))
     if report.warning:
@@ -65,6 +65,15 @@ def stop(names: tuple[str, ...], robots: tuple[str, ...], no_latch: bool, by: st
         click.echo(f"{name}: the action server has not answered yet", err=True)
     if report.failed or report.unconfirmed:
         sys.exit(1)
+
+
+def describe(stopped: Sequence[str], canceling: Sequence[str]) -> str:
+    """Return in a line who was stopped, and how many goals are canceled."""
+    if not stopped:
+        return "no robot was stopped: there is none that you may see"
+    names = ", ".join("/ (the robot without a namespace)" if name == "/" else name for name in stopped)
+    goals = f"canceling {len(canceling)} {'goal' if len(canceling) == 1 else 'goals'}" if canceling else "no goal ran"
+    return f"stopped {names}: zero velocity; {goals}"
 
 
 @click.command()

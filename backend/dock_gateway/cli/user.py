@@ -64,6 +64,7 @@ def create(name: str, role: str, database_url: str | None, **limits: tuple[str, 
     """Create the user NAME. The password is asked for, or read from the input."""
     grant, password = make_grant(role, limits), read_password()
     with_logins(database_url, lambda logins: logins.accounts.add(name, grant, password))
+    click.echo(f"created {name}, who is {'an' if role[0] in 'ao' else 'a'} {role}")
 
 
 @user.command()
@@ -73,6 +74,7 @@ def passwd(name: str, database_url: str | None) -> None:
     """Set the password of the user NAME, and log them out everywhere."""
     password = read_password()
     with_logins(database_url, lambda logins: logins.accounts.edit(name, password=password))
+    click.echo(f"{name} has a new password, and is logged out everywhere")
 
 
 @user.command()
@@ -81,6 +83,7 @@ def passwd(name: str, database_url: str | None) -> None:
 def disable(name: str, database_url: str | None) -> None:
     """Log the user NAME out everywhere, and refuse their logins from now on."""
     with_logins(database_url, lambda logins: logins.accounts.edit(name, disabled=True))
+    click.echo(f"{name} is logged out everywhere, and cannot log in")
 
 
 @user.command()
@@ -89,6 +92,7 @@ def disable(name: str, database_url: str | None) -> None:
 def enable(name: str, database_url: str | None) -> None:
     """Let the user NAME log in again."""
     with_logins(database_url, lambda logins: logins.accounts.edit(name, disabled=False))
+    click.echo(f"{name} can log in again")
 
 
 @user.command()
@@ -97,6 +101,7 @@ def enable(name: str, database_url: str | None) -> None:
 def delete(name: str, database_url: str | None) -> None:
     """Delete the user NAME, and log them out everywhere."""
     with_logins(database_url, lambda logins: logins.accounts.remove(name))
+    click.echo(f"deleted {name}")
 
 
 @user.command(name="list")

@@ -13,7 +13,8 @@ import pytest
 from click.testing import CliRunner
 
 from dock_gateway.cli import main, stored_tokens
-from dock_gateway.cli.events import show
+from dock_gateway.cli.events import EventPrinter, lines_of
+from dock_gateway.cli.stop import describe
 from dock_gateway.client import sync
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import Goal, GoalStatus, encode
@@ -111,12 +112,34 @@ def test_stop_and_release(
         ("aborted", None, {"code": "blocked", "detail": "a\n\x1b[2Kb\u202e"}, r"7d9c1c9e aborted: a\n\x1b[2Kb\u202e"),
     ],
 )
-def test_what_is_shown_of_a_status(
-    capsys: pytest.CaptureFixture[str], status: str, stage: str | None, error: dict[str, str] | None, line: str
-) -> None:
+def test_what_is_shown_of_a_status(status: str, stage: str | None, error: dict[str, str] | None, line: str) -> None:
     event = {"type": "status", "goal_id": ID, "status": status, "stage": stage, "error": error}
-    show(event, as_json=False)
-    assert capsys.readouterr().out == f"{line}\n"
+    assert lines_of(event) == [line]
+
+
+def test_feedback_that_reads_as_before_is_printed_once(capsys: pytest.CaptureFixture[str]) -> None:
+    def feedback(goal_id: str, voltage: float) -> dict[str, Any]:
+        return {"type": "feedback", "goal_id": goal_id, "feedback": {"voltage": voltage}}
+
+    events = [feedback(goal_id, voltage) for voltage in (1.0, 1.0, 2.0, 1.0) for goal_id in (ID, "another")]
+    for as_json, count in ((False, 6), (True, 8)):
+        printer = EventPrinter(as_json=as_json)
+        for event in events:
+            printer.show(event)
+        assert len(capsys.readouterr().out.splitlines()) == count
+
+
+@pytest.mark.parametrize(
+    ("stopped", "canceling", "line"),
+    [
+        ([], [], "no robot was stopped: there is none that you may see"),
+        (["/"], [], "stopped / (the robot without a namespace): zero velocity; no goal ran"),
+        (["/a", "/b"], [ID], "stopped /a, /b: zero velocity; canceling 1 goal"),
+        (["/a"], [ID, "x"], "stopped /a: zero velocity; canceling 2 goals"),
+    ],
+)
+def test_a_stop_says_who_was_stopped(stopped: list[str], canceling: list[str], line: str) -> None:
+    assert describe(stopped, canceling) == line
 
 
 def test_each_goal_has_a_key_of_its_own(gateway: Gateway) -> None:

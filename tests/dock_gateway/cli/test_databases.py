@@ -1,5 +1,6 @@
 """Users and tokens: which database a command uses is said, and which others there are."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -67,10 +68,19 @@ def test_the_database_of_a_running_gateway_is_named(folder: Path) -> None:
 def test_other_databases_are_named_though_no_gateway_runs(folder: Path) -> None:
     (folder / OTHER).touch()
     done = run("token", "create", "a")
-    assert "WARNING: gateways with another ROS_DOMAIN_ID or discovery range have other databases" in done.stderr
+    assert "WARNING: a gateway with another ROS_DOMAIN_ID or discovery range has used its own since" in done.stderr
     assert f"--database-url sqlite:///{folder / OTHER}" in done.stderr
     given = run("token", "create", "b", "--database-url", f"sqlite:///{folder / DEFAULT}")
     assert "WARNING" not in given.stderr
+
+
+def test_a_database_that_was_used_before_this_one_is_no_reason_to_warn(folder: Path) -> None:
+    (folder / OTHER).touch()
+    assert "WARNING" in run("token", "create", "first").stderr
+    assert "WARNING" not in run("token", "create", "second").stderr
+    later = (folder / DEFAULT).stat().st_mtime + 1
+    os.utime(folder / OTHER, (later, later))
+    assert "WARNING" in run("token", "create", "third").stderr
 
 
 def test_what_the_running_gateway_uses_is_no_reason_to_warn(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -79,6 +89,7 @@ def test_what_the_running_gateway_uses_is_no_reason_to_warn(folder: Path, monkey
     (folder / OTHER).touch()
     assert "WARNING" not in run("token", "list").stderr
     monkeypatch.setenv("ROS_DOMAIN_ID", "42")
+    use(folder, DEFAULT)  # the command before has closed it
     assert "WARNING" in run("token", "list").stderr
 
 
