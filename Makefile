@@ -6,7 +6,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-# The dashboard is built while the messages are compiled.
+# The dashboard is built while packages are installed and messages are compiled.
 MAKEFLAGS += --jobs=2
 
 VENV := .venv
@@ -38,10 +38,10 @@ DASHBOARD_SOURCES := $(shell find frontend -path frontend/node_modules -prune -o
 help: ## list the targets
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-20s %s\n", $$1, $$2}'
 
-run: setup ## start the gateway and a simulated robot, then open http://127.0.0.1:8000 (UP_ARGS=--no-sim: no robot)
+run: $(STAMPS)/project frontend/dist/index.html ## start the gateway and a simulated robot, then open http://127.0.0.1:8000 (UP_ARGS=--no-sim: no robot)
 	@exec $(BIN)/dock-gateway up $(UP_ARGS)
 
-setup: $(STAMPS)/project frontend/dist/index.html ## make the environment and build the dashboard
+setup: $(STAMPS)/dev $(STAMPS)/project frontend/dist/index.html ## make the environment, with what tests need, and build the dashboard
 
 test: setup $(STAMPS)/test-interfaces ## lint, format, types, import rules, Python tests, frontend tests
 	@scripts/test $(PYTEST_ARGS)
@@ -105,6 +105,10 @@ lock: $(UV) ## write the locks anew from the pyproject.toml files
 	$(UV) pip compile --quiet --universal --python-version 3.11 --generate-hashes --upgrade \
 	    --no-emit-index-url --no-annotate --no-header \
 	    --no-emit-package action-tutorials-interfaces --no-emit-package dock-gateway-tf2-msgs --group dev --extra mcp --extra postgresql --extra traces pyproject.toml -o requirements.lock
+	mkdir -p .tools && grep -v '^    --hash' requirements.lock | sed 's/ \\$$//' >.tools/versions.txt
+	$(UV) pip compile --quiet --universal --python-version 3.11 --generate-hashes --constraints .tools/versions.txt \
+	    --no-emit-index-url --no-annotate --no-header \
+	    --no-emit-package action-tutorials-interfaces --no-emit-package dock-gateway-tf2-msgs --group demonstration --extra mcp --extra postgresql --extra traces pyproject.toml -o run-requirements.lock
 	scripts/lock-build-requirements
 	echo zensical | $(UV) pip compile --quiet --universal --python-version 3.11 --generate-hashes --upgrade \
 	    --no-emit-index-url --no-annotate --no-header - -o docs-requirements.lock
@@ -142,26 +146,35 @@ clean: ## remove everything that the other targets made
 .tools/uv/bin/uv:
 	@scripts/get-uv .tools/uv
 
-# From nothing each time the lock changes: the ROS wheels bring .egg-info files, which make uv take the messages'
-# Python modules for packages that are not in the lock, and remove them.
-$(STAMPS)/lock: requirements.lock | $(UV)
+# What is missing is said before anything is installed.
+.tools/checked:
 	@scripts/preflight
+	@mkdir -p $(@D) && touch $@
+
+# From nothing each time a lock changes: the ROS wheels bring .egg-info files, which make uv take the messages'
+# Python modules for packages that are not in the lock, and remove them.
+$(STAMPS)/lock: run-requirements.lock requirements.lock | .tools/checked $(UV)
 	@rm -rf $(VENV)
 	@$(UV) venv --quiet --python '$(PYTHON_VERSIONS)' $(VENV)
-	@echo "Installing the locked packages …"
-	@$(UV) pip sync --quiet --python $(BIN)/python --require-hashes \
-	    --build-constraints build-requirements.lock requirements.lock
+	@scripts/step "Python packages" "installing 360 MB, about 10 s if the network is fast" \
+	    $(UV) pip sync --quiet --python $(BIN)/python --require-hashes --build-constraints build-requirements.lock run-requirements.lock
 	@mkdir -p $(STAMPS) && touch $@
 
+$(STAMPS)/dev: requirements.lock $(STAMPS)/lock | $(STAMPS)/project
+	@scripts/step "Packages for tests" "installing, about 20 s" \
+	    $(UV) pip install --quiet --python $(BIN)/python --require-hashes --build-constraints build-requirements.lock --requirements requirements.lock
+	@touch $@
+
 $(STAMPS)/interfaces: $(INTERFACE_SOURCES) build-requirements.lock scripts/build-interfaces $(STAMPS)/lock
-	@scripts/install-interfaces $(BIN)/python $(STAMPS)/wheel $(INTERFACES)
+	@scripts/step "ROS messages" "compiling, about 30 s" scripts/install-interfaces $(BIN)/python $(STAMPS)/wheel $(INTERFACES)
 	@touch $@
 
 nav2-interfaces: setup $(STAMPS)/test-interfaces ## install the docking actions of nav2 and the Create 3; see docs/nav2.md
 
 # The tests need them, too.
 $(STAMPS)/test-interfaces: $(TEST_INTERFACE_SOURCES) build-requirements.lock scripts/build-interfaces $(STAMPS)/lock
-	@scripts/install-interfaces $(BIN)/python $(STAMPS)/test-wheel $(TEST_INTERFACES)
+	@scripts/step "ROS messages of other robots" "compiling, about 30 s" \
+	    scripts/install-interfaces $(BIN)/python $(STAMPS)/test-wheel $(TEST_INTERFACES)
 	@touch $@
 
 $(STAMPS)/project: pyproject.toml backend/hatch_build.py $(shell find backend/action_tutorials_py -type f) $(STAMPS)/interfaces
@@ -169,6 +182,6 @@ $(STAMPS)/project: pyproject.toml backend/hatch_build.py $(shell find backend/ac
 	    --build-constraints build-requirements.lock --editable .
 	@touch $@
 
-frontend/dist/index.html: $(DASHBOARD_SOURCES) | $(STAMPS)/lock
-	@scripts/build-dashboard
+frontend/dist/index.html: $(DASHBOARD_SOURCES) | .tools/checked $(UV)
+	@scripts/step Dashboard "installing npm packages and building, about 30 s" scripts/build-dashboard
 	@touch $@
