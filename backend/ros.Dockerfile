@@ -16,6 +16,7 @@ RUN apt-get update \
 WORKDIR /src
 ENV UV=/src/.tools/uv/bin/uv UV_LINK_MODE=copy UV_PYTHON_DOWNLOADS=never
 COPY scripts/get-uv scripts/
+COPY scripts/locks scripts/locks
 RUN scripts/get-uv .tools/uv
 
 FROM tools AS dashboard

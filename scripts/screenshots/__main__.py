@@ -15,11 +15,13 @@ from pathlib import Path
 from playwright.sync_api import Browser, BrowserContext, sync_playwright
 from scripts.screenshots.camera import Camera
 from scripts.screenshots.comparison import compare
+from scripts.screenshots.film import film_fleet
 from scripts.screenshots.recording import Recording
 from scripts.screenshots.scenes import (
     FLEET,
     FLEET_PAGES,
     NEAR,
+    fleet_of_up,
     live_a_day,
     one_robot,
     several_robots,
@@ -51,6 +53,16 @@ def renew_documents(browser: Browser, folder: Path, seconds: float) -> None:
         one_robot(Camera(context.new_page(), gateway.url, folder, images), gateway, domain, seconds)
     with ros_domain() as domain, simulated(domain, *FLEET) as gateway, new_context(browser) as context:
         several_robots(Camera(context.new_page(), gateway.url, folder, images), gateway)
+
+
+def renew_film(browser: Browser, folder: Path) -> None:
+    """Make the moving picture in the README."""
+    with ros_domain() as domain, fleet_of_up(domain) as gateway:
+        context = browser.new_context(locale="en-GB")
+        film_fleet(
+            Camera(context.new_page(), gateway.url, folder), gateway, folder / "film", ROOT / "docs/images/tour.webp"
+        )
+        context.close()
 
 
 @contextmanager
@@ -107,6 +119,7 @@ def compare_with(browser: Browser, base: str, folder: Path, seconds: float) -> b
 def main() -> None:
     """Take them all."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--film", action="store_true", help="make only the moving picture of the README")
     parser.add_argument("--compare", metavar="REVISION", help="compare with the dashboard of this revision instead")
     parser.add_argument("--folder", type=Path, default=ROOT / "test-results/screenshots", help="where they go")
     parser.add_argument("--seconds", type=float, default=None, help="of battery data in the plots (240, or 20)")
@@ -117,8 +130,11 @@ def main() -> None:
         sync_playwright() as playwright,
         playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS) as browser,
     ):
-        if arguments.compare is None:
+        if arguments.film:
+            renew_film(browser, arguments.folder)
+        elif arguments.compare is None:
             renew_documents(browser, arguments.folder, arguments.seconds or 240.0)
+            renew_film(browser, arguments.folder)
         elif not compare_with(browser, arguments.compare, arguments.folder, arguments.seconds or 20.0):
             sys.exit(1)
 

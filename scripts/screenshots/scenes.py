@@ -7,7 +7,7 @@ from playwright.sync_api import Page, expect
 from scripts.screenshots.camera import Camera
 from sensor_msgs.msg import BatteryState
 from tests.support.gateway import RunningGateway, running_gateway, running_program
-from tests.support.processes import BIN, Process, ros_environment
+from tests.support.processes import BIN, ForkedProcess, Process, ros_environment
 from tests.support.waiting import wait_until
 
 START_S, DRIVE_S = 60.0, 90.0
@@ -29,6 +29,15 @@ def simulated(domain: int, *robots: tuple[str, ...]) -> Iterator[RunningGateway]
         stack.enter_context(running_program(domain, "fibonacci_action_server"))
         gateway = stack.enter_context(running_gateway(domain))
         wait_until(lambda: len(robots_of(gateway)) == len(robots), "every robot", START_S)
+        yield gateway
+
+
+@contextmanager
+def fleet_of_up(domain: int) -> Iterator[RunningGateway]:
+    """A gateway and the robots of `dock-gateway up --count 3`."""
+    fleet = ("-m", "docking.nodes.simulated_fleet", "3")
+    with ForkedProcess(*fleet, env=ros_environment(domain)), running_gateway(domain) as gateway:
+        wait_until(lambda: len(robots_of(gateway)) == len(CHARGES), "every robot", START_S)
         yield gateway
 
 

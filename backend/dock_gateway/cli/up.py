@@ -112,9 +112,7 @@ def default_robot(settings: Settings, robots: int) -> str:
 )
 @click.option("-v", "--verbose", is_flag=True, help="Print every line of the log, not only warnings and errors.")
 @partial(settings_options, leave_out={"serve_robots"})
-def up(
-    no_sim: bool, count: int | None, docks: int | None, sites: int | None, verbose: bool, **options: Any
-) -> None:
+def up(no_sim: bool, count: int | None, docks: int | None, sites: int | None, verbose: bool, **options: Any) -> None:
     """Run the gateway, a docking server and a simulated robot together, until Ctrl-C ends them all.
 
     They meet only ROS nodes on this machine: trying it out must not move a robot that happens to be on the same
