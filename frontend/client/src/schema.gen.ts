@@ -727,6 +727,56 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/schedules": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Schedules
+         * @description List the schedules, by id, each with its next time and what came of the last.
+         */
+        get: operations["list_schedules"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/schedules/{schedule_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Schedule
+         * @description Return a schedule.
+         */
+        get: operations["get_schedule"];
+        /**
+         * Replace Schedule
+         * @description Store a schedule, new or changed, at every gateway that shares the history. What was due before does not count.
+         *
+         *     Its mission is checked as if it were queued now.
+         */
+        put: operations["replace_schedule"];
+        post?: never;
+        /**
+         * Remove Schedule
+         * @description Remove a schedule. Missions that it has queued go on.
+         */
+        delete: operations["remove_schedule"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/webhooks": {
         parameters: {
             query?: never;
@@ -2280,7 +2330,7 @@ export interface components {
          * @description The kinds of alerts.
          * @enum {string}
          */
-        AlertKind: "stop_latched" | "goal_lost" | "discharging_on_dock" | "low_battery" | "battery_implausible" | "battery_stale" | "history_lost" | "extension_failed" | "duplicate_action_server" | "split_robot" | "site_unreachable" | "site_refused" | "wrong_topic_type" | "duplicate_base" | "robot_seen_twice" | "robots_claimed_twice" | "commands_lost" | "recordings_failed" | "automatic_docking_failed" | "mission_notice";
+        AlertKind: "stop_latched" | "goal_lost" | "discharging_on_dock" | "low_battery" | "battery_implausible" | "battery_stale" | "history_lost" | "extension_failed" | "duplicate_action_server" | "split_robot" | "site_unreachable" | "site_refused" | "wrong_topic_type" | "duplicate_base" | "robot_seen_twice" | "robots_claimed_twice" | "commands_lost" | "recordings_failed" | "automatic_docking_failed" | "mission_notice" | "schedule_failed";
         /**
          * AlertList
          * @description The active alerts: critical ones first, then oldest first.
@@ -2881,6 +2931,24 @@ export interface components {
             secret: string;
         };
         /**
+         * Daily
+         * @description Times of day, HH:MM in a time zone, on some days of the week, by default on each.
+         *
+         *     A time that does not occur, as clocks go forward, is the first moment after it that does. One that occurs twice, as
+         *     they go back, is the first of the two.
+         */
+        Daily: {
+            /** Times */
+            times: string[];
+            /** Weekdays */
+            weekdays: ("mon" | "tue" | "wed" | "thu" | "fri" | "sat" | "sun")[];
+            /**
+             * Time Zone
+             * @description IANA name, such as Europe/Berlin
+             */
+            time_zone: string;
+        };
+        /**
          * Decision
          * @description What a rule decided about a robot, and the facts that it went by.
          *
@@ -3223,6 +3291,14 @@ export interface components {
          * @enum {string}
          */
         EventType: "alert.raised" | "alert.cleared" | "test";
+        /**
+         * Every
+         * @description Every so many `minutes`, for the first time that long after the schedule was stored.
+         */
+        Every: {
+            /** Minutes */
+            minutes: number;
+        };
         /**
          * ExportedGoal
          * @description A goal with its events, oldest first; `complete` is that of its history.
@@ -3941,6 +4017,12 @@ export interface components {
          */
         HubState: "connected" | "refused" | "unreachable";
         /**
+         * IfRunning
+         * @description What happens at a time at which a mission of the schedule has not ended: none is queued, or another one.
+         * @enum {string}
+         */
+        IfRunning: "skip" | "queue";
+        /**
          * Implausible
          * @description A value of a battery state that cannot be right, so that it is not used. An infinity is a text, such as `inf`.
          */
@@ -4206,6 +4288,11 @@ export interface components {
             arguments: {
                 [key: string]: unknown;
             } | null;
+            /**
+             * Schedule
+             * @default null
+             */
+            schedule: string | null;
             /** Created By */
             created_by: string | null;
             /**
@@ -4222,6 +4309,26 @@ export interface components {
             waits_for: components["schemas"]["WaitsFor"] | null;
             /** Steps */
             steps: components["schemas"]["MissionStep"][];
+        };
+        /**
+         * MissionContent
+         * @description What a mission is: `steps`, or a `template` by its id, with `arguments` for its parameters.
+         *
+         *     `name` and `priority` are those of the template by default; without one, `priority` is 50.
+         */
+        MissionContent: {
+            /** Name */
+            name: string | null;
+            /** Priority */
+            priority: number | null;
+            /** Steps */
+            steps: components["schemas"]["StepFields"][] | null;
+            /** Template */
+            template: string | null;
+            /** Arguments */
+            arguments: {
+                [key: string]: unknown;
+            } | null;
         };
         /**
          * MissionEvent
@@ -4249,6 +4356,52 @@ export interface components {
             missions: components["schemas"]["Mission"][];
             /** Next Cursor */
             next_cursor: string | null;
+        };
+        /**
+         * MissionSchedule
+         * @description Queues missions by itself. `next_at` is the next time; null: there is none, or it is off.
+         */
+        MissionSchedule: {
+            /**
+             * Etag
+             * @description The version, as in the header `ETag`: send it as `If-Match`
+             */
+            etag: string;
+            /** Name */
+            name: string | null;
+            /**
+             * Enabled
+             * @default true
+             */
+            enabled: boolean;
+            mission: components["schemas"]["MissionContent"];
+            once: components["schemas"]["Once"] | null;
+            daily: components["schemas"]["Daily"] | null;
+            every: components["schemas"]["Every"] | null;
+            /** @default skip */
+            if_running: components["schemas"]["IfRunning"];
+            /** Robot */
+            robot: string;
+            last: components["schemas"]["Outcome"] | null;
+            /** Changed By */
+            changed_by: string | null;
+            /**
+             * Changed At
+             * Format: date-time
+             */
+            changed_at: string;
+            /** Id */
+            id: string;
+            /** Next At */
+            next_at: string | null;
+        };
+        /**
+         * MissionScheduleList
+         * @description The schedules, by id.
+         */
+        MissionScheduleList: {
+            /** Schedules */
+            schedules: components["schemas"]["MissionSchedule"][];
         };
         /**
          * MissionStatus
@@ -4423,6 +4576,39 @@ export interface components {
              * @default false
              */
             critical: boolean;
+        };
+        /**
+         * Once
+         * @description Once, at a time.
+         */
+        Once: {
+            /**
+             * At
+             * Format: date-time
+             */
+            at: string;
+        };
+        /**
+         * Outcome
+         * @description What came of the last time: `mission_id`, or why no mission was queued.
+         */
+        Outcome: {
+            /**
+             * Due At
+             * Format: date-time
+             */
+            due_at: string;
+            /**
+             * Decided At
+             * Format: date-time
+             */
+            decided_at: string;
+            /** Mission Id */
+            mission_id: string | null;
+            /** Code */
+            code: string | null;
+            /** Detail */
+            detail: string | null;
         };
         /**
          * Parameter
@@ -5011,6 +5197,21 @@ export interface components {
             times: number | null;
             /** Round */
             round: number;
+        };
+        /**
+         * RepeatStep
+         * @description Steps that are taken again and again: so many `times`, or for ever if that is null.
+         */
+        RepeatStep: {
+            /**
+             * Steps
+             * @description Steps, as those of a mission
+             */
+            steps: {
+                [key: string]: unknown;
+            }[];
+            /** Times */
+            times: number | null;
         };
         /**
          * ReplayBattery
@@ -5768,6 +5969,49 @@ export interface components {
              * Format: date-time
              */
             time: string;
+        };
+        /**
+         * StepFields
+         * @description A step. One of its fields before `name`, or one of the last two, says what it is; the others are null.
+         *
+         *     Attributes:
+         *         repeat: Steps that are repeated.
+         *         first_that_works: Steps of which each is taken only if those before it have failed.
+         */
+        StepFields: {
+            /** Dock */
+            dock: {
+                [key: string]: unknown;
+            } | null;
+            /** Undock */
+            undock: {
+                [key: string]: unknown;
+            } | null;
+            action: components["schemas"]["ActionStep"] | null;
+            navigate: components["schemas"]["NavigateStep"] | null;
+            call: components["schemas"]["CallStep"] | null;
+            publish: components["schemas"]["PublishStep"] | null;
+            notify: components["schemas"]["NotifyStep"] | null;
+            wait: components["schemas"]["WaitStep"] | null;
+            /** Name */
+            name: string | null;
+            /** Timeout S */
+            timeout_s: number | null;
+            /**
+             * Tries
+             * @default 1
+             */
+            tries: number;
+            /**
+             * On Failure
+             * @default end
+             */
+            on_failure: components["schemas"]["FailurePolicy"] | components["schemas"]["GoTo"];
+            repeat: components["schemas"]["RepeatStep"] | null;
+            /** First That Works */
+            first_that_works: {
+                [key: string]: unknown;
+            }[] | null;
         };
         /**
          * StepStatus
@@ -10695,6 +10939,481 @@ export interface operations {
             path: {
                 /** @description Lower-case letters, digits and hyphens, up to 40 */
                 template_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Precondition Failed */
+            412: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    /** @description Seconds after which it may succeed */
+                    "Retry-After"?: number;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_schedules: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MissionScheduleList"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    /** @description Seconds after which it may succeed */
+                    "Retry-After"?: number;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_schedule: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Lower-case letters, digits and hyphens, up to 40 */
+                schedule_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    /** @description The version, for `If-Match` */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MissionSchedule"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    /** @description Seconds after which it may succeed */
+                    "Retry-After"?: number;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    replace_schedule: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description Entity tags: change it only if its version is one of these; `*`: if it exists */
+                "If-Match"?: string;
+                /** @description `*`: only if there is none yet */
+                "If-None-Match"?: string;
+            };
+            path: {
+                /** @description Lower-case letters, digits and hyphens, up to 40 */
+                schedule_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": {
+                    name?: string | null;
+                    /** @default true */
+                    enabled?: boolean;
+                    /**
+                     * @description What a mission is: `steps`, or a `template` by its id, with `arguments` for its parameters.
+                     *
+                     *     `name` and `priority` are those of the template by default; without one, `priority` is 50.
+                     */
+                    mission: {
+                        name?: string | null;
+                        priority?: number | null;
+                        steps?: {
+                            dock?: {
+                                [key: string]: unknown;
+                            } | null;
+                            undock?: {
+                                [key: string]: unknown;
+                            } | null;
+                            action?: {
+                                name: string;
+                                goal?: {
+                                    [key: string]: unknown;
+                                };
+                            } | null;
+                            navigate?: {
+                                place?: string | null;
+                                pose?: {
+                                    x: number;
+                                    y: number;
+                                    /** @default 0 */
+                                    yaw?: number;
+                                    /** @default map */
+                                    frame?: string;
+                                } | null;
+                                poses?: {
+                                    x: number;
+                                    y: number;
+                                    /** @default 0 */
+                                    yaw?: number;
+                                    /** @default map */
+                                    frame?: string;
+                                }[] | null;
+                            } | null;
+                            call?: {
+                                service: string;
+                                request?: {
+                                    [key: string]: unknown;
+                                };
+                                type?: string | null;
+                            } | null;
+                            publish?: {
+                                topic: string;
+                                message?: {
+                                    [key: string]: unknown;
+                                };
+                                type?: string | null;
+                            } | null;
+                            notify?: {
+                                text: string;
+                                /** @default false */
+                                critical?: boolean;
+                            } | null;
+                            wait?: {
+                                seconds?: number | null;
+                                until?: string | null;
+                                battery?: number | null;
+                                /** @default false */
+                                person?: boolean;
+                            } | null;
+                            name?: string | null;
+                            timeout_s?: number | null;
+                            /** @default 1 */
+                            tries?: number;
+                            /** @default end */
+                            on_failure?: ("end" | "next") | {
+                                go_to: string;
+                            };
+                            repeat?: {
+                                /** @description Steps, as those of a mission */
+                                steps: {
+                                    [key: string]: unknown;
+                                }[];
+                                times?: number | null;
+                            } | null;
+                            first_that_works?: {
+                                [key: string]: unknown;
+                            }[] | null;
+                        }[] | null;
+                        template?: string | null;
+                        arguments?: {
+                            [key: string]: unknown;
+                        } | null;
+                    };
+                    once?: {
+                        /** Format: date-time */
+                        at: string;
+                    } | null;
+                    daily?: {
+                        times: string[];
+                        weekdays?: ("mon" | "tue" | "wed" | "thu" | "fri" | "sat" | "sun")[];
+                        /** @description IANA name, such as Europe/Berlin */
+                        time_zone: string;
+                    } | null;
+                    every?: {
+                        minutes: number;
+                    } | null;
+                    /**
+                     * @description What happens at a time at which a mission of the schedule has not ended: none is queued, or another one.
+                     * @default skip
+                     * @enum {string}
+                     */
+                    if_running?: "skip" | "queue";
+                    robot?: string | null;
+                    by?: string | null;
+                };
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    /** @description The version, for `If-Match` */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MissionSchedule"];
+                };
+            };
+            /** @description It is new */
+            201: {
+                headers: {
+                    /** @description The version, for `If-Match` */
+                    ETag?: string;
+                    /** @description Its path */
+                    Location?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MissionSchedule"];
+                };
+            };
+            /** @description Bad Request */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Timeout */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Precondition Failed */
+            412: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Entity Too Large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unsupported Media Type */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too Many Requests */
+            429: {
+                headers: {
+                    /** @description Seconds after which it may succeed */
+                    "Retry-After"?: number;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    /** @description Seconds after which it may succeed */
+                    "Retry-After"?: number;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    remove_schedule: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description Entity tags: change it only if its version is one of these; `*`: if it exists */
+                "If-Match"?: string;
+            };
+            path: {
+                /** @description Lower-case letters, digits and hyphens, up to 40 */
+                schedule_id: string;
             };
             cookie?: never;
         };

@@ -6,8 +6,9 @@ from typing import Any
 
 from dock_gateway.extensions.automation.decision import DecisionEntry, DecisionOutcome, RuleMode, WaitReason
 from dock_gateway.extensions.automation.policy import DockingPolicy, RobotFacts, Verdict
-from dock_gateway.extensions.automation.rule import WEEKDAYS, BatteryCondition, RuleEntry, Schedule
+from dock_gateway.extensions.automation.rule import BatteryCondition, RuleEntry, Schedule
 from dock_gateway.http.schema import RobotSelection
+from dock_gateway.http.times_of_day import WEEKDAYS
 
 
 def changed(rule: RuleEntry, **fields: Any) -> RuleEntry:

@@ -6,8 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dock_gateway.extensions.automation.rule import WEEKDAYS, Schedule, Weekday
+from dock_gateway.extensions.automation.rule import Schedule
 from dock_gateway.extensions.automation.schedule import last_due, next_due
+from dock_gateway.http.times_of_day import WEEKDAYS, Weekday
 
 MINUTE = timedelta(minutes=1)
 

@@ -13,6 +13,8 @@ from dock_gateway.extensions.missions.mission import MissionEntry
 from dock_gateway.extensions.missions.missions import Missions
 from dock_gateway.extensions.missions.places.place import PlaceEntry
 from dock_gateway.extensions.missions.places.places import MAX_PLACES, Places
+from dock_gateway.extensions.missions.schedules.schedule import ScheduleEntry
+from dock_gateway.extensions.missions.schedules.schedules import BY_THEMSELVES, MAX_SCHEDULES, Schedules
 from dock_gateway.extensions.missions.templates.template import TemplateEntry
 from dock_gateway.extensions.missions.templates.templates import MAX_TEMPLATES, Templates
 from dock_gateway.goals.known_robots import KnownRobots
@@ -71,7 +73,7 @@ class Client(RouteClient):
         self.missions = Missions(
             self.book,
             cast("Any", SimpleNamespace(wake=lambda: None)),
-            robots=cast("Any", SimpleNamespace(get=lambda name: SimpleNamespace(namespace=name or "/"))),
+            robots=cast("Any", SimpleNamespace(get=self.get_robot)),
             actions=cast("Any", SimpleNamespace(get=lambda name: self if name == "/fibonacci" else None)),
             robot_actions=actions,
             messages=Messages(cast("Any", Services()), cast("Any", Topics())),
@@ -79,13 +81,26 @@ class Client(RouteClient):
             templates=self.templates,
             interlock=cast("Any", self),
         )
+        store = history.documents("schedule", ScheduleEntry)
+        self.schedules = Schedules(
+            SharedBook(store, "schedule", MAX_SCHEDULES, BY_THEMSELVES),
+            self.missions,
+            cast("Any", SimpleNamespace(get=self.get_robot, find=lambda _: "/")),
+        )
         super().__init__(
             {
                 Missions: self.missions,
                 Templates: self.templates,
+                Schedules: self.schedules,
                 KnownRobots: make_known_robots(history, "/", "/robot2"),
             }
         )
+
+    def get_robot(self, name: str | None) -> Any:
+        """Stand in for the robots."""
+        if name == "/nowhere":
+            raise NotFound("there is no robot", code="robot_not_found")
+        return SimpleNamespace(namespace=name or "/")
 
     def docking_name(self, verb: str, robot: str) -> str:
         """Stand in for the actions of robots."""

@@ -1,19 +1,15 @@
 """A rule of automatic docking: what clients send and get, and what is stored. A new field is declared here alone."""
 
-import re
 from datetime import datetime
-from typing import Annotated, Literal, Self, get_args
-from zoneinfo import ZoneInfo
+from typing import Annotated, Self
 
-from pydantic import AfterValidator, ConfigDict, Field, JsonValue, model_validator
+from pydantic import ConfigDict, Field, JsonValue, model_validator
 
 from dock_gateway.core.event import utc_now
 from dock_gateway.extensions.automation.decision import RuleMode
 from dock_gateway.http.bodies import Name60, expected
 from dock_gateway.http.schema import RobotSelection, Schema
-
-ZONE = re.compile(r"[A-Za-z][A-Za-z0-9_+-]*(?:/[A-Za-z0-9_+-]+){0,2}")
-MAX_ZONE = 60
+from dock_gateway.http.times_of_day import TimesOfDay, Weekdays, Zone
 
 RULE_EXAMPLE: JsonValue = {
     "name": "Low battery",
@@ -36,42 +32,11 @@ class BatteryCondition(Schema):
     idle_s: Annotated[float, Field(ge=10, le=86_400, description="Seconds")]
 
 
-def _check_zone(name: str) -> str:
-    try:
-        if len(name) <= MAX_ZONE and ZONE.fullmatch(name):
-            ZoneInfo(name)
-            return name
-    except (KeyError, ValueError, OSError):  # a folder or another file is not a time zone, either
-        pass
-    raise expected("an IANA time zone, such as Europe/Berlin")
-
-
-Time = Annotated[str, Field(pattern=r"^(?:[01][0-9]|2[0-3]):[0-5][0-9]$")]
-Weekday = Literal["mon", "tue", "wed", "thu", "fri", "sat", "sun"]
-WEEKDAYS: tuple[Weekday, ...] = get_args(Weekday)
-Zone = Annotated[
-    str,
-    AfterValidator(_check_zone),
-    Field(
-        description="IANA name, such as Europe/Berlin",
-        json_schema_extra={"maxLength": MAX_ZONE, "pattern": f"^{ZONE.pattern}$"},
-    ),
-]
-
-
-def _sorted(times: list[str]) -> list[str]:
-    return sorted(set(times))
-
-
-def _in_order(weekdays: list[Weekday]) -> list[Weekday]:
-    return [day for day in WEEKDAYS if day in weekdays]
-
-
 class Schedule(Schema):
     """Times of day, HH:MM, on some days of the week in a time zone."""
 
-    times: Annotated[list[Time], Field(min_length=1, max_length=24), AfterValidator(_sorted)]
-    weekdays: Annotated[list[Weekday], Field(min_length=1, max_length=7), AfterValidator(_in_order)]
+    times: TimesOfDay
+    weekdays: Weekdays
     time_zone: Zone
 
 

@@ -4,7 +4,8 @@ from collections.abc import Iterator
 from datetime import UTC, datetime, timedelta
 from zoneinfo import ZoneInfo
 
-from dock_gateway.extensions.automation.rule import WEEKDAYS, Schedule
+from dock_gateway.extensions.automation.rule import Schedule
+from dock_gateway.http.times_of_day import WEEKDAYS
 
 DAY = timedelta(days=1)
 

@@ -163,6 +163,26 @@ def _signature(parameters: Iterable[tuple[str, dict[str, Any]]]) -> str:
     )
 
 
+@mission.command()
+@asks
+def schedules() -> None:
+    """List the schedules, each with its next time and what came of the last."""
+    with gateway() as client:
+        found = client.request("GET", "/schedules")
+    if wanted("as_json"):
+        print_json(found)
+        return
+    rows = [
+        (each["id"], each["robot"], each["name"] or "", each["next_at"] or "-", _outcome(each["last"]))
+        for each in found["schedules"]
+    ]
+    print_table(("SCHEDULE", "ROBOT", "NAME", "NEXT", "LAST"), rows, "no schedules")
+
+
+def _outcome(last: dict[str, Any] | None) -> str:
+    return "-" if last is None else last["mission_id"] or f"{last['code']}: {last['detail']}"
+
+
 def _change(verb: str, help_text: str) -> click.Command:
     """Return the command that changes a mission."""
 

@@ -19,6 +19,10 @@ from dock_gateway.extensions.missions.places.place import PlaceEntry
 from dock_gateway.extensions.missions.places.places import MAX_PLACES, Places
 from dock_gateway.extensions.missions.routes import router
 from dock_gateway.extensions.missions.runner import MissionRunner
+from dock_gateway.extensions.missions.schedules import routes as of_schedules
+from dock_gateway.extensions.missions.schedules.schedule import ScheduleEntry
+from dock_gateway.extensions.missions.schedules.scheduler import Scheduler
+from dock_gateway.extensions.missions.schedules.schedules import BY_THEMSELVES, FAILED, MAX_SCHEDULES, Schedules
 from dock_gateway.extensions.missions.schema import EVENTS
 from dock_gateway.extensions.missions.templates import routes as of_templates
 from dock_gateway.extensions.missions.templates.template import TemplateEntry
@@ -75,7 +79,7 @@ async def open_missions(parts: Parts) -> AsyncIterator[Missions]:
         stack.enter_context(robots.at_work.adding(runner.has_work))
         stack.enter_context(parts[AlertBoard].sources.adding(lambda: book.notices.alerts(robots.namespaces())))
         runner.start()
-        yield Missions(
+        missions = Missions(
             book,
             runner,
             robots=robots,
@@ -86,6 +90,8 @@ async def open_missions(parts: Parts) -> AsyncIterator[Missions]:
             templates=templates,
             interlock=interlock,
         )
+        _open_schedules(parts, missions, stack)
+        yield missions
 
 
 def _stored(parts: Parts) -> tuple[Places, Templates]:
@@ -96,11 +102,20 @@ def _stored(parts: Parts) -> tuple[Places, Templates]:
     return parts.add(Places, places), parts.add(Templates, templates)
 
 
+def _open_schedules(parts: Parts, missions: Missions, stack: AsyncExitStack) -> None:
+    """Queue missions by schedules."""
+    store, robots = parts[History].documents("schedule", ScheduleEntry), parts[RobotRegistry]
+    book = SharedBook(store, "schedule", MAX_SCHEDULES, BY_THEMSELVES)
+    schedules = parts.add(Schedules, Schedules(book, missions, robots))
+    stack.enter_context(parts[AlertBoard].sources.adding(schedules.alerts))
+    closed_by(stack, Scheduler(book, missions, robots=robots, share=parts[Share])).start()
+
+
 extension = Extension(
     "missions",
     open_missions,
-    routes=lambda _: (router, of_places.router, of_templates.router),
+    routes=lambda _: (router, of_places.router, of_templates.router, of_schedules.router),
     events=EVENTS,
-    alerts=(NOTICE,),
+    alerts=(NOTICE, FAILED),
     errors=CODES,
 )

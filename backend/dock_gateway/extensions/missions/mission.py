@@ -180,7 +180,8 @@ class MissionFields(Schema):
 
     `priority`: of the missions of a robot that are queued, the one with the highest begins first, then the oldest.
     `step` is the index of the present step; once all have ended, their number. `pausing`: it will be held
-    before its next step. `template` is the id of the template that it was made of, with which `arguments`; null: none.
+    before its next step. `template` is the id of the template that it was made of, with which `arguments`, and
+    `schedule` that of the schedule that has queued it; null: none.
     """
 
     robot: RosName
@@ -193,6 +194,7 @@ class MissionFields(Schema):
     error: Reason | None
     template: str | None = None
     arguments: dict[str, Any] | None = None
+    schedule: str | None = None
     created_by: str | None
     created_at: datetime
     started_at: datetime | None

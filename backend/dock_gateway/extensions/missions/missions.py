@@ -4,11 +4,11 @@ import asyncio
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from dock_gateway.core.errors import Conflict
+from dock_gateway.core.errors import Conflict, InvalidField, NotFound
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant
 from dock_gateway.extensions.missions import progress
-from dock_gateway.extensions.missions.actions import action_of, actions_of, read_goal
+from dock_gateway.extensions.missions.actions import action_of, actions_of, covers, read_goal
 from dock_gateway.extensions.missions.book import MissionBook
 from dock_gateway.extensions.missions.messages import Messages
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
@@ -16,7 +16,7 @@ from dock_gateway.extensions.missions.places.places import Places
 from dock_gateway.extensions.missions.runner import MissionRunner
 from dock_gateway.extensions.missions.schema import MissionBody, MissionContent
 from dock_gateway.extensions.missions.templates.parameters import at_arguments
-from dock_gateway.extensions.missions.templates.templates import Templates
+from dock_gateway.extensions.missions.templates.templates import Filled, Templates
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.latch.interlock import Interlock
@@ -98,13 +98,28 @@ class Missions:
             NotFound: `template_not_found`.
             Unavailable: The history does not answer (`history_unavailable`).
         """
-        filled = None
-        if content.template is not None:
-            filled = await self._templates.fill(content.template, content.arguments or {}, grant)
+        filled = await self._fill(content, grant)
         with at_arguments({} if filled is None else filled.places):
             mission = content.entry(robot, filled, by)
             await self._require(mission, grant)
         return mission
+
+    async def covers(self, content: MissionContent, robot: str, grant: Grant) -> bool:
+        """Return whether a grant covers all that a mission would use; not so if it could not be made.
+
+        Raises:
+            Unavailable: The history does not answer (`history_unavailable`).
+        """
+        try:
+            mission = content.entry(robot, await self._fill(content, grant))
+        except (InvalidField, NotFound):
+            return False
+        return covers(mission, grant, self._robot_actions)
+
+    async def _fill(self, content: MissionContent, grant: Grant) -> Filled | None:
+        if content.template is None:
+            return None
+        return await self._templates.fill(content.template, content.arguments or {}, grant)
 
     async def _require(self, mission: MissionEntry, grant: Grant) -> None:
         for name in actions_of(mission, self._robot_actions):

@@ -121,6 +121,7 @@ const NIGHT: Mission = {
   error: null,
   template: null,
   arguments: null,
+  schedule: null,
   created_by: "Ada",
   created_at: "2026-11-30T02:00:00Z",
   started_at: "2026-11-30T02:00:01Z",

@@ -1,0 +1,1 @@
+"""Schedules: missions that are queued by themselves, at times."""
