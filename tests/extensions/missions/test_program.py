@@ -186,6 +186,13 @@ def test_of_alternatives_the_next_one_is_taken_if_one_fails_or_is_skipped() -> N
     assert worked.step == 4
 
 
+def test_a_step_that_is_skipped_before_a_mission_begins_takes_those_inside_of_it_along() -> None:
+    paused = progress.pause(queued({"repeat": {"steps": [DOCK, WAIT], "times": 2}}, UNDOCK))
+    started = progress.start(progress.skip(paused, after(1)), after(2))
+    assert started.step == 3
+    assert [step.status for step in started.steps] == ["skipped", "skipped", "skipped", "waiting"]
+
+
 def test_a_failure_goes_to_a_step_by_its_name() -> None:
     home = UNDOCK | {"name": "home"}
     mission = begun(repeat(DOCK | {"on_failure": {"go_to": "home"}}, WAIT), WAIT, home)

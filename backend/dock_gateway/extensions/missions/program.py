@@ -155,6 +155,7 @@ def skip_step(mission: MissionEntry, now: datetime) -> MissionEntry:
     """Return the mission without its present step: at the next alternative if it is one, else behind it."""
     index = mission.step
     mission = _leave(mission).with_step(status=StepStatus.SKIPPED, finished_at=now)
+    mission = _skip(mission, range(index + 1, _behind(mission.steps, index)))
     other = _next_alternative(mission.steps, index)
     return _after(mission, index, StepStatus.SKIPPED, now) if other is None else _to(mission, other, now)
 
