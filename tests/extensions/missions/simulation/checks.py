@@ -1,0 +1,302 @@
+"""What must hold in a run, seen from the robots: what they were really sent, and what people asked for.
+
+A gateway's own words, which are the stored missions, are compared with that.
+"""
+
+from collections import Counter, defaultdict
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from typing import TYPE_CHECKING, Any
+
+import sqlalchemy as sa
+from pydantic import TypeAdapter
+
+from dock_gateway.core.goal import GoalStatus
+from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, StepStatus
+from dock_gateway.storage.tables import documents, idempotency_keys
+
+if TYPE_CHECKING:
+    from tests.extensions.missions.simulation.gateway import Gateway
+    from tests.extensions.missions.simulation.robot import Robot
+    from tests.extensions.missions.simulation.server import CarriedOut, Server
+    from tests.extensions.missions.simulation.world import World
+
+MISSION = TypeAdapter(MissionEntry)
+# Seconds within which a mission goes on once nothing is in its way.
+GOES_ON_AFTER = 300.0
+# Seconds that a mission may have been queued unnoticed by the gateway that begins another one.
+NOTICED_AFTER = 30.0
+
+
+@dataclass(frozen=True)
+class Place:
+    """A step that a robot carries out: its mission, its index, and whether it is inside of a `repeat`."""
+
+    mission_id: str
+    index: int
+    repeated: bool
+
+
+def tag_of(step: Any) -> str | None:
+    """Return the tag of a step; None if it does nothing at a robot."""
+    request = step.call.request if step.call is not None else step.request
+    return (request or {}).get("tag")
+
+
+def _turn(mission: MissionEntry) -> tuple[int, datetime]:
+    """Return what the queue of a robot is sorted by."""
+    return -mission.priority, mission.created_at
+
+
+class Checks:
+    """Follows a run, and notes what is wrong in it.
+
+    Args:
+        world: The run.
+
+    Attributes:
+        found: What is wrong.
+        added: The missions that people have queued, as they were queued.
+        ended: Those that have ended, as they were stored.
+        counts: How often things have happened.
+    """
+
+    def __init__(self, world: "World") -> None:
+        self._world = world
+        self.found: list[str] = []
+        self.added: dict[str, MissionEntry] = {}
+        self.ended: dict[str, MissionEntry] = {}
+        self.counts: Counter[str] = Counter()
+        self._places: dict[str, Place] = {}
+        self._goals: defaultdict[str, list[CarriedOut]] = defaultdict(list)  # by tag
+        self._keys: dict[str, str] = {}  # the goal that was accepted for each key
+        self._calls: Counter[tuple[str, int]] = Counter()
+        self._last: dict[str, int] = {}  # the index of the last step of each mission that was begun at the robot
+        self._allowed: dict[str, float] = {}  # when somebody last let a robot move
+        self._stops: dict[str, tuple[float, float]] = {}  # when the last stop of a robot began and had ended
+        self._parted: set[str] = set()  # goals that a gateway may have lost sight of
+        self._changed: dict[str, tuple[int, float]] = {}  # the revision of each mission, and since when
+        self._paused: set[str] = set()  # missions that somebody has paused before they had begun
+
+    def fault(self, what: str) -> None:
+        """Note that something is wrong."""
+        self._world.chance.say("CHECK", what)
+        self.found.append(what)
+
+    @property
+    def _now(self) -> float:
+        return self._world.chance.loop.time()
+
+    # ------------------------------------------------------------------ what people do
+
+    def queued(self, mission_id: str, mission: MissionEntry) -> None:
+        """Somebody queues a mission."""
+        self.added[mission_id] = mission
+        around = [range(at + 1, at + 1 + step.size) for at, step in enumerate(mission.steps) if step.repeat is not None]
+        for index, step in enumerate(mission.steps):
+            if (tag := tag_of(step)) is not None:
+                self._places[tag] = Place(mission_id, index, any(index in inside for inside in around))
+        if not any(each.robot == mission.robot for each in self.stored().values()):
+            self.allowed(mission.robot)
+
+    def allowed(self, robot: str) -> None:
+        """Somebody lets a robot go on, or changes what it is to do."""
+        self._allowed[robot] = self._now
+
+    def paused(self, mission_id: str) -> None:
+        """Somebody has paused a mission."""
+        self._paused.add(mission_id)
+
+    def stopped(self, robots: list[str], began: float) -> None:
+        """A stop was confirmed."""
+        self.counts["stops"] += 1
+        for robot in robots:
+            self._stops[robot] = (began, self._now)
+
+    # ------------------------------------------------------------------ what robots are sent
+
+    def sent(self, gateway: "Gateway", robot: str, message: Mapping[str, Any]) -> None:
+        """A gateway sends a goal, or calls a service."""
+        tag = message.get("tag")
+        if tag is None:
+            return
+        began, ended = self._stops.get(robot, (-1.0, -1.0))
+        if began >= 0 and ended < self._now and self._allowed.get(robot, -1.0) < began:
+            self.fault(f"{gateway.name} sends {tag} to {robot}, which was stopped at {began:.3f}, and nobody continued")
+
+    def called(self, gateway: "Gateway", robot: str, message: Mapping[str, Any]) -> None:
+        """A service of a robot is called."""
+        self.sent(gateway, robot, message)
+        tag = message["tag"]
+        place, mission = self._places[tag], self.stored().get(self._places[tag].mission_id)
+        if mission is None or mission.step != place.index:
+            self.fault(f"{tag} is called, and its mission is not at that step")
+            return
+        attempt = mission.current.attempt
+        self._calls[tag, attempt] += 1
+        if self._calls[tag, attempt] > 1:
+            self.fault(f"try {attempt} of {tag} is called twice")
+        self._in_order(place, tag)
+
+    def accepted(self, robot: "Robot", server: "Server", goal: "CarriedOut") -> None:
+        """A robot has accepted a goal."""
+        self.counts["goals"] += 1
+        tag = goal.tag
+        if tag is None:
+            return
+        self.counts["steps"] += 1
+        place = self._places[tag]
+        key = self._key_of(goal.goal_id)
+        if key in self._keys:
+            self.fault(f"the try {key} is carried out twice, as {self._keys[key]} and {goal.goal_id}")
+        if key is None:
+            self.fault(f"{goal.goal_id} of {tag} has no key")
+        else:
+            self._keys[key] = goal.goal_id
+        others = [each for each in robot.running() if each is not goal and each.tag is not None]
+        for other in others:
+            if other.goal_id not in self._parted:
+                self.fault(f"{robot.name} begins {tag} while {other.tag} ({other.goal_id}) runs")
+        before = self._goals[tag]
+        again = not place.repeated and any(
+            each.status is GoalStatus.SUCCEEDED and self._allowed.get(robot.name, -1.0) < (each.ended_at or 0.0)
+            for each in before
+        )
+        if again:
+            self.fault(f"{tag} has succeeded, and is carried out again")
+        before.append(goal)
+        mission = self.stored().get(place.mission_id)
+        if mission is None or mission.step != place.index:
+            at = "ended" if mission is None else f"at step {mission.step}"
+            if not self._is_late(mission):
+                self.fault(f"{tag}, step {place.index}, is carried out, and its mission is {at}")
+        elif len(before) > mission.current.attempt:
+            self.fault(f"{tag} is carried out {len(before)} times in {mission.current.attempt} tries")
+        self._in_order(place, tag)
+
+    @staticmethod
+    def _is_late(mission: MissionEntry | None) -> bool:
+        """Return whether a goal may have been on its way when its mission was changed: it is canceled then."""
+        return mission is None or mission.status in (MissionStatus.CANCELING, MissionStatus.HELD)
+
+    def _in_order(self, place: Place, tag: str) -> None:
+        if not place.repeated and place.index < self._last.get(place.mission_id, 0):
+            self.fault(f"{tag} is carried out after a later step")
+        self._last[place.mission_id] = place.index
+
+    def lost_sight(self, robot: "Robot") -> None:
+        """Gateways no longer see what a robot does."""
+        self._parted |= {goal.goal_id for goal in robot.running()}
+
+    # ------------------------------------------------------------------ what is stored
+
+    def stored(self, kind: str = "mission") -> dict[str, MissionEntry]:
+        """Return the missions in the database."""
+        query = sa.select(documents.c.key, documents.c.document).where(documents.c.kind == kind)
+        with self._world.disk.engine.begin() as connection:
+            rows = connection.execute(query).all()
+        return {key: MISSION.validate_json(document, extra="ignore") for key, document in rows}
+
+    def _key_of(self, goal_id: str) -> str | None:
+        query = sa.select(idempotency_keys.c.key).where(idempotency_keys.c.goal_id == goal_id)
+        with self._world.disk.engine.begin() as connection:
+            return connection.scalars(query).first()
+
+    def look(self) -> None:
+        """Look at all missions, as often as it pleases."""
+        missions = self.stored()
+        for mission_id, mission in self.stored("ended_mission").items():
+            if mission_id not in self.ended:
+                self.ended[mission_id] = mission
+                self._check_end(mission_id, mission)
+        active = Counter(mission.robot for mission in missions.values() if mission.active)
+        for robot, count in active.items():
+            if count > 1:
+                self.fault(f"{robot} is on {count} missions")
+        for mission_id, mission in missions.items():
+            revision, since = self._changed.get(mission_id, (-1, 0.0))
+            if revision != mission.revision:
+                self._changed[mission_id] = (mission.revision, self._now)
+            elif self._now - since > GOES_ON_AFTER and not mission.status.ended:
+                self._check_wait(mission_id, mission, idle=not active[mission.robot])
+
+    def _check_wait(self, mission_id: str, mission: MissionEntry, *, idle: bool) -> None:
+        """Check that a mission that has not changed for long has a reason for that, and says it."""
+        gateways = [gateway for gateway in self._world.gateways if gateway.ready and not gateway.dead]
+        if not gateways or any(self._now - gateway.ready_at < GOES_ON_AFTER for gateway in gateways):
+            return
+        if mission.status is MissionStatus.HELD:
+            if mission.held_for is None:
+                self.fault(f"{mission_id} is held, and does not say why")
+            return
+        said = [gateway.missions.book.waits.get(mission_id) for gateway in gateways]
+        if not all(said):
+            self.fault(f"{mission_id} does not say what it waits for")
+        if self._now - self._world.calm_since[mission.robot] < GOES_ON_AFTER:
+            return
+        if not self._may_wait(mission, idle=idle):
+            self.fault(f"{mission_id} does not go on: {said}, {mission.status.value}, step {mission.current!r:.400}")
+            self._changed[mission_id] = (mission.revision, self._now)
+
+    def _may_wait(self, mission: MissionEntry, *, idle: bool) -> bool:
+        robot = self._world.robots[mission.robot]
+        if mission.status is MissionStatus.QUEUED or robot.running():  # its own goal, or that of somebody else
+            return not idle
+        step, now = mission.current, self._world.now()
+        if step.has_message:  # one that was killed may have sent it: as long as the answer could come
+            waited = (now - (step.started_at or now)).total_seconds()
+            return waited < step.answer_within + GOES_ON_AFTER
+        if step.status is StepStatus.WAITING or step.wait is None:
+            return step.has_goal and step.goal_id is not None and step.timeout_s is None  # its goal is lost
+        if step.wait.battery is not None and not step.is_late(now):
+            return robot.charge < step.wait.battery
+        ends_at = step.wait.ends_at(step.started_at or now)
+        return ends_at is not None and now < ends_at and not step.is_late(now)
+
+    def _check_end(self, mission_id: str, mission: MissionEntry) -> None:
+        """Compare a mission that has ended with what its robot has done."""
+        self.counts[mission.status.value] += 1
+        for index, step in enumerate(mission.steps):
+            tag = tag_of(step)
+            if tag is not None and step.call is None and step.status is StepStatus.SUCCEEDED:
+                done = any(goal.status is GoalStatus.SUCCEEDED for goal in self._goals[tag])
+                if not done:
+                    self.fault(f"{mission_id}: step {index} is said to have succeeded, and no robot has done it")
+            left = step.status in (StepStatus.WAITING, StepStatus.RUNNING)
+            if left and mission.status is MissionStatus.SUCCEEDED:
+                self.fault(f"{mission_id} has succeeded without step {index}, which is {step.status.value}")
+            if step.status is StepStatus.RUNNING and mission.status is not MissionStatus.SUCCEEDED:
+                self.fault(f"{mission_id} has ended, and step {index} runs")
+            failed = step.status is StepStatus.FAILED and step.on_failure == "end" and not step.size
+            inside = "." in step.path
+            if failed and not inside and mission.status is MissionStatus.SUCCEEDED:
+                self.fault(f"{mission_id} has succeeded, though step {index} has failed")
+
+    def check_all(self) -> None:
+        """Check at the end of the run that each mission has ended, and that they began in their order."""
+        self.look()
+        left = self.stored()
+        for mission_id in self.added:
+            if mission_id not in self.ended:
+                state = left.get(mission_id)
+                what = "gone" if state is None else f"{state.status.value}, {state.held_for}, {state.current!r:.300}"
+                self.fault(f"{mission_id} was forgotten: it is {what}")
+        self._check_turns()
+
+    def _check_turns(self) -> None:
+        of_robots: defaultdict[str, list[tuple[str, MissionEntry]]] = defaultdict(list)
+        for mission_id, mission in self.ended.items():
+            of_robots[mission.robot].append((mission_id, mission))
+        for missions in of_robots.values():
+            for mission_id, first in missions:
+                if mission_id in self._paused:
+                    continue
+                for other_id, other in missions:
+                    if other.started_at is None or _turn(other) <= _turn(first):
+                        continue
+                    waited = (other.started_at - first.created_at).total_seconds()
+                    began_later = first.started_at is None or first.started_at > other.started_at
+                    was_there = first.finished_at is None or first.finished_at > other.started_at
+                    if waited > NOTICED_AFTER and began_later and was_there:
+                        self.fault(f"{other_id} began before {mission_id}, whose turn it was")

@@ -1,0 +1,73 @@
+"""The robots as a gateway knows them, in place of `dock_gateway.robots.registry`."""
+
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+from dock_gateway.core.errors import NotFound
+from dock_gateway.core.filters import is_under
+from dock_gateway.core.listeners import Hooks
+from dock_gateway.core.namespace import ALL_ROBOTS
+from tests.extensions.missions.simulation.robot import Robot
+from tests.support.stopping import FakeWheels
+
+
+class KnownRobots:
+    """The robots as a gateway knows them."""
+
+    own_robot = True
+
+    def __init__(self, robots: dict[str, Robot]) -> None:
+        self._robots = {name: _robot(robot) for name, robot in robots.items()}
+        self.default_namespace = next(iter(robots))
+        self.at_work = Hooks[Callable[[str], bool]]()
+
+    def namespaces(self) -> list[str]:
+        return sorted(self._robots)
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._robots
+
+    def get(self, name: str | None = None) -> Any:
+        found = self._robots.get(name or self.default_namespace)
+        if found is None:
+            raise NotFound(f"there is no robot {name}", code="robot_not_found")
+        return found
+
+    def find(self, name: str | None = None) -> str:
+        return str(self.get(name).namespace)
+
+    def owner(self, action_name: str) -> Any:
+        return next((robot for name, robot in self._robots.items() if is_under(action_name, name)), None)
+
+    def place(self, name: str | None = None) -> str:
+        return ALL_ROBOTS if name is None else self.find(name)
+
+    def under(self, namespace: str) -> list[Any]:
+        return [robot for name, robot in self._robots.items() if is_under(name, namespace)]
+
+    def is_at_work(self, namespace: str) -> bool:
+        return any(has_work(namespace) for has_work in self.at_work)
+
+
+class Battery:
+    """The battery of a robot, as a gateway has it."""
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+
+    @property
+    def age(self) -> float | None:
+        return 0.5
+
+    @property
+    def stale_since(self) -> float | None:
+        return None if self._robot.there else 1.0
+
+    @property
+    def reading(self) -> Any:
+        return SimpleNamespace(percentage=self._robot.charge)
+
+
+def _robot(robot: Robot) -> Any:
+    return SimpleNamespace(namespace=robot.name, wheels=FakeWheels(), battery=Battery(robot))

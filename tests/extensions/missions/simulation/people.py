@@ -1,0 +1,138 @@
+"""What people do in a run: they queue missions, pause, continue, skip and cancel them, stop robots, and send goals."""
+
+import asyncio
+import json
+from collections.abc import Awaitable, Callable
+from typing import TYPE_CHECKING, Any
+
+from dock_gateway.core.access import ANYBODY
+from dock_gateway.core.errors import GatewayError
+from dock_gateway.core.grant import UNLIMITED
+from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
+from dock_gateway.extensions.missions.schema import MissionBody
+from tests.extensions.missions.simulation.random_missions import RandomMissions
+
+if TYPE_CHECKING:
+    from tests.extensions.missions.simulation.gateway import Gateway
+    from tests.extensions.missions.simulation.world import World
+
+Ask = Callable[["Gateway"], Awaitable[Any]]
+Way = Callable[[str, MissionEntry], Awaitable[None]]
+
+
+class People:
+    """People, who ask whichever gateway runs.
+
+    Args:
+        world: The run.
+    """
+
+    def __init__(self, world: "World") -> None:
+        self._world = world
+        self._random = world.chance.random
+        self._say = world.chance.say
+        self._checks = world.checks
+        self._missions = RandomMissions(self._random, world.docks.names)
+
+    async def _ask(self, what: str, ask: Ask) -> bool:
+        """Ask a gateway for something; return whether it has been done."""
+        able = [gateway for gateway in self._world.gateways if gateway.ready and not gateway.dead]
+        if not able:
+            return False
+        gateway = self._random.choice(able)
+        self._say("people", f"{what} at {gateway.name}")
+        work: Any = ask(gateway)
+        task = gateway.spawn(work)
+        await asyncio.wait({task})
+        if task.cancelled():
+            return False
+        error = task.exception()
+        if error is not None and not isinstance(error, GatewayError | OSError):
+            raise error
+        self._say("people", f"{what}: {'done' if error is None else error}")
+        return error is None
+
+    async def _insist(self, what: str, ask: Ask) -> None:
+        """Ask until it has been done."""
+        while True:
+            if await self._ask(what, ask):
+                return
+            await asyncio.sleep(self._random.uniform(1, 10))
+
+    async def queue(self, robot: str) -> None:
+        mission_id, document = self._missions.make(robot)
+        body = MissionBody.model_validate_json(json.dumps(document))
+        self._checks.queued(mission_id, body.entry(robot))
+        self._say("people", f"{mission_id} {robot} {document}")
+        await self._insist(
+            f"queue {mission_id}", lambda gateway: gateway.missions.add(mission_id, body, robot, UNLIMITED)
+        )
+        self._checks.counts["missions"] += 1
+
+    async def meddle(self) -> None:
+        """Do something with a mission or a goal."""
+        missions = self._checks.stored()
+        if not missions:
+            return
+        mission_id = self._random.choice(sorted(missions))
+        mission = missions[mission_id]
+        if mission.status is MissionStatus.HELD:
+            ways: list[Way] = [self.go_on, self._skip, self.cancel]
+            weights = [10, 2, 1]
+        else:
+            ways, weights = [self._pause, self._cancel_goal, self.cancel], [5, 3, 1]
+        await self._random.choices(ways, weights)[0](mission_id, mission)
+
+    async def go_on(self, mission_id: str, mission: MissionEntry) -> None:
+        self._checks.allowed(mission.robot)
+        await self._ask(f"continue {mission_id}", lambda gateway: gateway.missions.resume(mission_id, UNLIMITED))
+
+    async def _skip(self, mission_id: str, mission: MissionEntry) -> None:
+        self._checks.allowed(mission.robot)
+        await self._ask(f"skip {mission_id}", lambda gateway: gateway.missions.skip(mission_id, UNLIMITED))
+
+    async def cancel(self, mission_id: str, mission: MissionEntry) -> None:
+        self._checks.allowed(mission.robot)
+        await self._ask(f"cancel {mission_id}", lambda gateway: gateway.missions.cancel(mission_id, UNLIMITED))
+
+    async def _pause(self, mission_id: str, _: MissionEntry) -> None:
+        self._checks.paused(mission_id)
+        await self._ask(f"pause {mission_id}", lambda gateway: gateway.missions.pause(mission_id, UNLIMITED))
+
+    async def _cancel_goal(self, _: str, mission: MissionEntry) -> None:
+        async def cancel(gateway: "Gateway") -> None:
+            for goal in gateway.actions.running():
+                action = gateway.actions.get(goal.action_name)
+                if action is not None and goal.goal_id == mission.current.goal_id:
+                    await action.canceler.cancel(goal)
+
+        await self._ask("cancel a goal", cancel)
+
+    async def send_goal(self) -> None:
+        name = self._random.choice(sorted(self._world.servers))
+        message = {"dock_id": self._random.choice(self._world.docks.names)} if "connect_to" in name else {}
+
+        async def send(gateway: "Gateway") -> None:
+            action = gateway.actions.get(name)
+            if action is not None:
+                await action.submitter.submit(message, sender=ANYBODY)
+
+        await self._ask(f"send a goal to {name}", send)
+
+    async def stop(self) -> None:
+        robot = self._random.choice([None, *self._world.names, *self._world.names])
+        latch = self._random.random() < 0.6
+        robots = [] if robot is None else [robot]
+        began = self._world.chance.loop.time()
+        if await self._ask(f"stop {robot}, latch {latch}", lambda gateway: gateway.stopper.stop(*robots, latch=latch)):
+            self._checks.stopped(robots or self._world.names, began)
+        if latch:
+            self._world.chance.spawn(self._release_later(robot))
+
+    async def _release_later(self, robot: str | None) -> None:
+        await asyncio.sleep(self._random.choice([0.5, 30.0, 600.0]))
+        await self._insist(f"release {robot}", lambda gateway: gateway.stopper.release(robot))
+
+    async def release(self, robot: str | None) -> None:
+        """Release a stop, if a gateway is there."""
+        await self._ask(f"release {robot}", lambda gateway: gateway.stopper.release(robot))

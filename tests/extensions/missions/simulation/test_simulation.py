@@ -1,0 +1,74 @@
+"""Whatever is killed, away, blocked or stopped: missions do each step once, in order, and none is forgotten.
+
+Each seed is twenty minutes in virtual time. `SIMULATION_SEEDS=10000` tries more of them, `SIMULATION_SEED=4711` one,
+with all that has happened. `SIMULATION_WEEKS=3` runs so many weeks with ten robots and four docks.
+"""
+
+import os
+from collections import Counter
+from dataclasses import replace
+
+import pytest
+
+from tests.dock_gateway.simulation.database import Disk
+from tests.extensions.missions.simulation.gateway import simulated
+from tests.extensions.missions.simulation.troubles import WEEK, Troubles
+from tests.extensions.missions.simulation.world import World
+from tests.support.virtual import run
+
+pytestmark = pytest.mark.timeout(36_000)
+
+SEEDS = int(os.environ.get("SIMULATION_SEEDS", "60"))
+WEEKS = int(os.environ.get("SIMULATION_WEEKS", "0"))
+ONLY = os.environ.get("SIMULATION_SEED")
+
+CASES = {
+    "one gateway": Troubles(),
+    "two gateways": Troubles(gateways=2),
+    "one that is killed again and again": Troubles(kills_every=60.0, kills_at_writes=0.01, kills_at_sends=0.2),
+    "two that are killed again and again": Troubles(
+        gateways=2, kills_every=60.0, kills_at_writes=0.01, kills_at_sends=0.2
+    ),
+    "stopped again and again": Troubles(gateways=2, stops_every=60.0, people_every=15.0),
+    "robots that break": Troubles(servers_every=30.0, answers_lost=0.1),
+    "nothing goes wrong": Troubles(kills_every=1e9, kills_at_writes=0, kills_at_sends=0, servers_every=1e9),
+}
+
+
+@pytest.fixture(scope="module")
+def disk() -> Disk:
+    return Disk()
+
+
+def carried_out(seed: int, disk: Disk, troubles: Troubles) -> Counter[str]:
+    """Run a seed, check it, and return how often things have happened."""
+    worlds: list[World] = []
+
+    async def go() -> None:
+        worlds.append(World(seed, disk, troubles))
+        await worlds[0].run()
+
+    with simulated(troubles):
+        run(go())
+    (world,) = worlds
+    if ONLY is not None or world.checks.found:
+        print(world.story())
+    assert world.checks.found == [], f"SIMULATION_SEED={seed}"
+    assert world.checks.counts["steps"]
+    return world.checks.counts
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_missions_do_each_step_once(disk: Disk, case: str) -> None:
+    counts = Counter[str]()
+    for seed in range(max(1, SEEDS // 20)) if ONLY is None else [int(ONLY)]:
+        counts += carried_out(seed, disk, CASES[case])
+    print(dict(counts))
+
+
+@pytest.mark.skipif(not WEEKS, reason="takes minutes: SIMULATION_WEEKS=1 runs one")
+def test_a_week_of_missions(disk: Disk) -> None:
+    counts = Counter[str]()
+    for seed in range(WEEKS) if ONLY is None else [int(ONLY)]:
+        counts += carried_out(seed, disk, replace(WEEK, gateways=1 + seed % 2))
+    print(dict(counts))

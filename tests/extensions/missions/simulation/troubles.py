@@ -1,0 +1,63 @@
+"""What a run of the simulation is: how long, with how many robots, and what goes wrong in it."""
+
+from dataclasses import dataclass
+
+from tests.dock_gateway.simulation.chance import Faults
+
+HOUR = 3600.0
+
+
+@dataclass(frozen=True)
+class Troubles(Faults):
+    """A run. Times are in seconds; what happens by itself happens once in so many seconds, on average.
+
+    Attributes:
+        robots, docks: How many there are.
+        lasts: How long the troubles last. After that, everything works and people continue what is held.
+        missions_every: Of each robot, another mission.
+        people_every: Of all robots, somebody pauses, continues, skips or cancels a mission, or cancels a goal.
+        stops_every: Somebody stops a robot, or all of them.
+        goals_every: Somebody sends a goal past the missions.
+        kills_every: A gateway is killed.
+        kills_at_writes: How likely it is that one is killed right before or after something is stored.
+        kills_at_sends: The same for a goal that is sent.
+        servers_every: An action server ends, freezes, or a robot is switched off or out of reach.
+        docks_every: A dock is blocked.
+        answers_lost: Share of the answers of servers that are lost.
+        scan_every: A gateway reads the ROS graph.
+        look_every: A gateway looks at missions, if nothing else wakes it.
+    """
+
+    gateways: int = 1
+    robots: int = 3
+    docks: int = 2
+    lasts: float = HOUR / 3
+    missions_every: float = 150.0
+    people_every: float = 30.0
+    stops_every: float = 300.0
+    goals_every: float = 300.0
+    kills_every: float = 300.0
+    kills_at_writes: float = 0.002
+    kills_at_sends: float = 0.02
+    servers_every: float = 120.0
+    docks_every: float = 400.0
+    answers_lost: float = 0.02
+    scan_every: float = 5.0
+    look_every: float = 5.0
+
+
+WEEK = Troubles(
+    gateways=1,
+    robots=10,
+    docks=4,
+    lasts=7 * 24 * HOUR,
+    missions_every=2 * HOUR,
+    people_every=900.0,
+    stops_every=4 * HOUR,
+    goals_every=2 * HOUR,
+    kills_every=4 * HOUR,
+    servers_every=HOUR,
+    docks_every=2 * HOUR,
+    scan_every=30.0,
+    look_every=15.0,
+)

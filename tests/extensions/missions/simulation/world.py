@@ -1,0 +1,224 @@
+"""One run: robots and docks, gateways on one database, people, and what goes wrong. One seed decides everything."""
+
+import asyncio
+from collections import defaultdict
+from collections.abc import Awaitable, Callable, Coroutine
+from datetime import UTC, datetime
+from functools import partial
+from typing import Any
+
+from dock_gateway.extensions.missions.mission import MissionStatus
+from dock_gateway.extensions.missions.moves import WaitsFor
+from tests.dock_gateway.simulation.chance import Chance
+from tests.dock_gateway.simulation.database import Disk
+from tests.dock_gateway.simulation.process import noted
+from tests.extensions.missions.simulation.checks import Checks
+from tests.extensions.missions.simulation.gateway import Gateway, StoredLatches
+from tests.extensions.missions.simulation.people import People
+from tests.extensions.missions.simulation.robot import Docks, Robot
+from tests.extensions.missions.simulation.server import Server
+from tests.extensions.missions.simulation.troubles import HOUR, Troubles
+
+# Seconds for which missions may take to end once nothing goes wrong any more.
+SETTLES_WITHIN = 4 * HOUR
+
+
+class World:
+    """One run.
+
+    Args:
+        seed: Decides everything.
+        disk: The database.
+        troubles: What goes wrong.
+
+    Attributes:
+        gateways: Those that run.
+        people: What people do.
+        calm_since: Since when nothing has been in the way of each robot.
+    """
+
+    def __init__(self, seed: int, disk: Disk, troubles: Troubles) -> None:
+        self.troubles = troubles
+        self.disk = disk
+        self.chance = Chance(seed, troubles)
+        self._random = self.chance.random
+        self.checks = Checks(self)
+        self.docks = Docks(troubles.docks)
+        self.names = [f"/r{index}" for index in range(troubles.robots)]
+        lost, accepted = troubles.answers_lost, self.checks.accepted
+        self.robots = {name: Robot(self.chance, name, self.docks, accepted, lost) for name in self.names}
+        self.servers = {server.name: server for robot in self.robots.values() for server in robot.servers.values()}
+        self.gateways: list[Gateway] = []
+        self.calm_since = dict.fromkeys(self.names, 0.0)
+        self.people = People(self)
+        self._files: defaultdict[str, StoredLatches] = defaultdict(StoredLatches)
+        self._spools: defaultdict[str, dict[int, list[bytes]]] = defaultdict(dict)
+        self._troubled = True
+
+    def now(self) -> datetime:
+        """Return the time."""
+        return datetime.fromtimestamp(self.chance.loop.time_ns() / 1e9, UTC)
+
+    # ------------------------------------------------------------------ the run
+
+    async def run(self) -> None:
+        """Let everything happen, then wait until all missions have ended, and check them."""
+        self.chance.loop.set_task_factory(noted)
+        self.disk.empty()
+        for name in "ABC"[: self.troubles.gateways]:
+            self._start(name)
+        await asyncio.sleep(2.0)
+        troubles = self.troubles
+        work = [
+            *(self._often(troubles.missions_every, partial(self.people.queue, robot)) for robot in self.names),
+            self._often(troubles.people_every, self.people.meddle),
+            self._often(troubles.stops_every, self.people.stop),
+            self._often(troubles.goals_every, self.people.send_goal),
+            self._often(troubles.kills_every, self._kill),
+            self._often(troubles.servers_every, self._break_server),
+            self._often(troubles.docks_every, self._block_dock),
+        ]
+        for each in work:
+            self.chance.spawn(self._noting(each))
+        until = self.chance.loop.time() + troubles.lasts
+        while self.chance.loop.time() < until:
+            await asyncio.sleep(60.0)
+            self._look()
+        await self._settle()
+        self.checks.check_all()
+
+    def _look(self) -> None:
+        for robot in self.robots.values():
+            if robot.charge < 0.05:
+                robot.put_on_charger()
+            servers = robot.servers.values()
+            held = any(robot.name in file.held or "/" in file.held for file in self._files.values())
+            if not robot.there or held or not all(server.up and server.awake.is_set() for server in servers):
+                self.calm_since[robot.name] = self.chance.loop.time()
+        self.checks.look()
+
+    async def _noting(self, work: Coroutine[Any, Any, None]) -> None:
+        """Note an error of the simulation itself."""
+        try:
+            await work
+        except Exception as error:  # noqa: BLE001 - whatever it is, the run shows nothing then
+            self.checks.fault(f"the simulation failed: {error!r}")
+
+    async def _often(self, every: float, do: Callable[[], Awaitable[None]]) -> None:
+        while self._troubled:
+            await asyncio.sleep(self._random.expovariate(1 / every))
+            if self._troubled:
+                await do()
+
+    async def _settle(self) -> None:
+        """Let nothing go wrong any more; people continue what is held, until all missions have ended."""
+        self._troubled = False
+        self.chance.say("world", "settles")
+        self.docks.blocked.clear()
+        for robot in self.robots.values():
+            robot.mend()
+            robot.put_on_charger()
+        began = self.chance.loop.time()
+        while self.chance.loop.time() - began < SETTLES_WITHIN:
+            await asyncio.sleep(60.0)
+            self._look()
+            if not any(gateway.ready and not gateway.dead for gateway in self.gateways):
+                continue
+            await self.people.release(None)
+            missions = self.checks.stored()
+            if not missions and self.checks.added.keys() == self.checks.ended.keys():
+                return
+            for mission_id, mission in missions.items():
+                if mission.status is MissionStatus.HELD:
+                    await self.people.go_on(mission_id, mission)
+                elif self._waits_for_lost_goal(mission_id):
+                    await self.people.cancel(mission_id, mission)
+
+    def _waits_for_lost_goal(self, mission_id: str) -> bool:
+        """Return whether a mission waits for a goal that its server no longer knows."""
+        said = [gateway.missions.book.waits.get(mission_id) for gateway in self.gateways if gateway.ready]
+        return WaitsFor.LOST_GOAL in said
+
+    # ------------------------------------------------------------------ gateways
+
+    def _start(self, name: str) -> None:
+        gateway = Gateway(self, name, self._files[name], self._spools[name])
+        self.gateways = [other for other in self.gateways if not other.dead] + [gateway]
+        gateway.spawn(gateway.run())
+
+    def on_killed(self, gateway: Gateway) -> None:
+        """A gateway was killed; it starts again."""
+        self.checks.counts["kills"] += 1
+        self.chance.later(
+            self._random.choice([0.5, 5.0, self._random.uniform(5, 120)]), lambda: self._start(gateway.name)
+        )
+
+    async def _kill(self) -> None:
+        victim = self._random.choice(self.gateways)
+        victim.kill()
+
+    def tell_latch(self, sender: Gateway, namespace: str, *, latched: bool) -> None:
+        """Bring what one gateway has published on `stop_latched` to the others."""
+        for gateway in self.gateways:
+            if gateway is not sender and gateway.joined and not gateway.dead:
+                self._bring_latch(gateway, namespace, latched=latched)
+
+    def tell_latches_to(self, gateway: Gateway) -> None:
+        """Bring what others have last published on `stop_latched` to a new gateway."""
+        for other in self.gateways:
+            if other is not gateway and not other.dead:
+                for namespace, latched in other.latched.items():
+                    self._bring_latch(gateway, namespace, latched=latched)
+
+    def _bring_latch(self, gateway: Gateway, namespace: str, *, latched: bool) -> None:
+        def arrive() -> None:
+            if not gateway.dead:
+                with gateway.running():
+                    gateway.interlock.heard(namespace, latched=latched, received=self.chance.loop.time())
+
+        self.chance.later(self.chance.latency(), arrive)
+
+    # ------------------------------------------------------------------ what robots are sent
+
+    def on_send(self, gateway: Gateway, server: Server, goal_id: str, message: dict[str, Any]) -> None:
+        """A gateway sends a goal."""
+        self.chance.say(gateway.name, f"sends {goal_id} {message} to {server.name}")
+        self.checks.sent(gateway, server.robot.name, message)
+
+    def on_call(self, gateway: Gateway, service: str, request: dict[str, Any]) -> None:
+        """A gateway calls a service."""
+        self.chance.say(gateway.name, f"calls {service} {request}")
+        self.checks.called(gateway, service.rpartition("/")[0], request)
+
+    # ------------------------------------------------------------------ what breaks
+
+    async def _break_server(self) -> None:
+        robot = self.robots[self._random.choice(self.names)]
+        server = self._random.choice([*robot.servers.values()])
+        kind = self._random.choice(["end", "freeze", "off", "out of reach"])
+        takes = self._random.choice([1.0, 5.0, 20.0, self._random.uniform(20, 600)])
+        if not robot.there or not server.up:
+            return
+        self.chance.say("world", f"{kind} {robot.name} {server.name} for {takes:.0f} s")
+        if kind == "freeze":
+            self.checks.lost_sight(robot)
+            server.freeze(takes)
+        elif kind == "end":
+            server.end()
+            self.chance.later(takes, server.start)
+        elif kind == "off":
+            robot.switch_off()
+            self.chance.later(takes, robot.switch_on)
+        else:
+            self.checks.lost_sight(robot)
+            robot.in_reach = False
+            self.chance.later(takes, robot.reach)
+
+    async def _block_dock(self) -> None:
+        dock = self._random.choice(self.docks.names)
+        self.docks.blocked.add(dock)
+        self.chance.later(self._random.uniform(60, 1200), lambda: self.docks.blocked.discard(dock))
+
+    def story(self) -> str:
+        """Return what has happened."""
+        return "\n".join(f"{at:10.3f} {who:8} {what}" for at, who, what in self.chance.said)
