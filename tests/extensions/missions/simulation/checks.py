@@ -9,12 +9,10 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
-import sqlalchemy as sa
-from pydantic import TypeAdapter
-
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, StepStatus
-from dock_gateway.storage.tables import documents, idempotency_keys
+from tests.extensions.missions.simulation.stored import key_of, named, stored_missions, tag_of
+from tests.support.virtual import START_NS
 
 if TYPE_CHECKING:
     from tests.extensions.missions.simulation.gateway import Gateway
@@ -22,7 +20,6 @@ if TYPE_CHECKING:
     from tests.extensions.missions.simulation.server import CarriedOut, Server
     from tests.extensions.missions.simulation.world import World
 
-MISSION = TypeAdapter(MissionEntry)
 # Seconds within which a mission goes on once nothing is in its way.
 GOES_ON_AFTER = 300.0
 # Seconds that a mission may have been queued unnoticed by the gateway that begins another one.
@@ -36,12 +33,6 @@ class Place:
     mission_id: str
     index: int
     repeated: bool
-
-
-def tag_of(step: Any) -> str | None:
-    """Return the tag of a step; None if it does nothing at a robot."""
-    request = step.call.request if step.call is not None else step.request
-    return (request or {}).get("tag")
 
 
 def _turn(mission: MissionEntry) -> tuple[int, datetime]:
@@ -122,8 +113,16 @@ class Checks:
         if tag is None:
             return
         began, ended = self._stops.get(robot, (-1.0, -1.0))
+        if tag.startswith("s") and self._is_scheduled_since(robot, began):
+            return
         if began >= 0 and ended < self._now and self._allowed.get(robot, -1.0) < began:
             self.fault(f"{gateway.name} sends {tag} to {robot}, which was stopped at {began:.3f}, and nobody continued")
+
+    def _is_scheduled_since(self, robot: str, at: float) -> bool:
+        """Return whether a schedule has queued the present mission of a robot after a time: it begins by itself."""
+        since = START_NS / 1e9 + at
+        own = (each for each in self.stored().values() if each.active and each.robot == robot)
+        return any(each.schedule is not None and each.created_at.timestamp() > since for each in own)
 
     def called(self, gateway: "Gateway", robot: str, message: Mapping[str, Any]) -> None:
         """A service of a robot is called."""
@@ -142,38 +141,40 @@ class Checks:
     def accepted(self, robot: "Robot", server: "Server", goal: "CarriedOut") -> None:
         """A robot has accepted a goal."""
         self.counts["goals"] += 1
-        tag = goal.tag
-        if tag is None:
+        if goal.tag is None:
             return
         self.counts["steps"] += 1
-        place = self._places[tag]
-        key = self._key_of(goal.goal_id)
+        key = key_of(self._world.disk, goal.goal_id)
+        if key is None:
+            self.fault(f"{goal.goal_id} of {goal.tag} has no key")
+            return
         if key in self._keys:
             self.fault(f"the try {key} is carried out twice, as {self._keys[key]} and {goal.goal_id}")
-        if key is None:
-            self.fault(f"{goal.goal_id} of {tag} has no key")
-        else:
-            self._keys[key] = goal.goal_id
-        others = [each for each in robot.running() if each is not goal and each.tag is not None]
-        for other in others:
-            if other.goal_id not in self._parted:
+        self._keys[key] = goal.goal_id
+        _, mission_id, index, _ = key.split("-")
+        tag = named(goal.tag, mission_id)
+        place = self._places.setdefault(tag, Place(mission_id, int(index), repeated=False))
+        for other in robot.running():
+            if other is not goal and other.tag is not None and other.goal_id not in self._parted:
                 self.fault(f"{robot.name} begins {tag} while {other.tag} ({other.goal_id}) runs")
-        before = self._goals[tag]
-        again = not place.repeated and any(
-            each.status is GoalStatus.SUCCEEDED and self._allowed.get(robot.name, -1.0) < (each.ended_at or 0.0)
-            for each in before
-        )
-        if again:
-            self.fault(f"{tag} has succeeded, and is carried out again")
-        before.append(goal)
+        self._check_step(place, tag, [*self._goals[tag], goal])
+        self._goals[tag].append(goal)
+        self._in_order(place, tag)
+
+    def _check_step(self, place: Place, tag: str, goals: list["CarriedOut"]) -> None:
+        """Compare the goals of a step, the last of which begins now, with its mission."""
         mission = self.stored().get(place.mission_id)
         if mission is None or mission.step != place.index:
             at = "ended" if mission is None else f"at step {mission.step}"
             if not self._is_late(mission):
                 self.fault(f"{tag}, step {place.index}, is carried out, and its mission is {at}")
-        elif len(before) > mission.current.attempt:
-            self.fault(f"{tag} is carried out {len(before)} times in {mission.current.attempt} tries")
-        self._in_order(place, tag)
+            return
+        if len(goals) > mission.current.attempt:
+            self.fault(f"{tag} is carried out {len(goals)} times in {mission.current.attempt} tries")
+        allowed = self._allowed.get(mission.robot, -1.0)
+        done = [each for each in goals if each.status is GoalStatus.SUCCEEDED and allowed < (each.ended_at or 0.0)]
+        if done and not place.repeated:
+            self.fault(f"{tag} has succeeded, and is carried out again")
 
     @staticmethod
     def _is_late(mission: MissionEntry | None) -> bool:
@@ -193,20 +194,13 @@ class Checks:
 
     def stored(self, kind: str = "mission") -> dict[str, MissionEntry]:
         """Return the missions in the database."""
-        query = sa.select(documents.c.key, documents.c.document).where(documents.c.kind == kind)
-        with self._world.disk.engine.begin() as connection:
-            rows = connection.execute(query).all()
-        return {key: MISSION.validate_json(document, extra="ignore") for key, document in rows}
-
-    def _key_of(self, goal_id: str) -> str | None:
-        query = sa.select(idempotency_keys.c.key).where(idempotency_keys.c.goal_id == goal_id)
-        with self._world.disk.engine.begin() as connection:
-            return connection.scalars(query).first()
+        return stored_missions(self._world.disk, kind)
 
     def look(self) -> None:
         """Look at all missions, as often as it pleases."""
-        missions = self.stored()
-        for mission_id, mission in self.stored("ended_mission").items():
+        missions, ended = self.stored(), self.stored("ended_mission")
+        self._count_scheduled({**missions, **ended})
+        for mission_id, mission in ended.items():
             if mission_id not in self.ended:
                 self.ended[mission_id] = mission
                 self._check_end(mission_id, mission)
@@ -215,11 +209,20 @@ class Checks:
             if count > 1:
                 self.fault(f"{robot} is on {count} missions")
         for mission_id, mission in missions.items():
+            if mission_id in self.ended and not mission.status.ended:
+                self.fault(f"{mission_id} had ended, and is {mission.status.value} again")
             revision, since = self._changed.get(mission_id, (-1, 0.0))
             if revision != mission.revision:
                 self._changed[mission_id] = (mission.revision, self._now)
             elif self._now - since > GOES_ON_AFTER and not mission.status.ended:
                 self._check_wait(mission_id, mission, idle=not active[mission.robot])
+
+    def _count_scheduled(self, missions: Mapping[str, MissionEntry]) -> None:
+        """Note which missions schedules have queued."""
+        for mission_id, mission in missions.items():
+            if mission.schedule is not None and mission_id not in self.added:
+                self.added[mission_id] = mission
+                self.counts["scheduled"] += 1
 
     def _check_wait(self, mission_id: str, mission: MissionEntry, *, idle: bool) -> None:
         """Check that a mission that has not changed for long has a reason for that, and says it."""
@@ -260,7 +263,8 @@ class Checks:
         for index, step in enumerate(mission.steps):
             tag = tag_of(step)
             if tag is not None and step.call is None and step.status is StepStatus.SUCCEEDED:
-                done = any(goal.status is GoalStatus.SUCCEEDED for goal in self._goals[tag])
+                goals = self._goals[named(tag, mission_id)]
+                done = any(goal.status is GoalStatus.SUCCEEDED for goal in goals)
                 if not done:
                     self.fault(f"{mission_id}: step {index} is said to have succeeded, and no robot has done it")
             left = step.status in (StepStatus.WAITING, StepStatus.RUNNING)

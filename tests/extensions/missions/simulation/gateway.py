@@ -17,6 +17,7 @@ from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.extensions.missions import book, extension, runner
 from dock_gateway.extensions.missions.missions import Missions
+from dock_gateway.extensions.missions.schedules import scheduler
 from dock_gateway.fleet.alert_board import AlertBoard
 from dock_gateway.goals import registry, rejoining
 from dock_gateway.goals.docks import Docks
@@ -172,6 +173,7 @@ class Gateway(Process):
             history = History("", spool, max_waiting=1000, limits=replace(FOREVER, interval=1e6))  # type: ignore[arg-type]
         await history.open()
         parts, robots = self._make_parts(history)
+        self.parts = parts
         self.actions, self.stopper = parts[ActionRegistry], parts[Stopper]
         asyncio.create_task(take_over_unfinished(self.actions, history))  # noqa: RUF006 - noted
         for name in robots.namespaces():
@@ -260,6 +262,8 @@ def simulated(troubles: Troubles) -> Iterator[None]:
             (shared_entries, "SYNC_INTERVAL", 2 * troubles.look_every),
             (history_module, "POLL_INTERVAL", 2 * troubles.look_every),
             (writer, "SPOOL_INTERVAL", 2.0),
+            (scheduler, "INTERVAL", troubles.look_every),
+            (scheduler, "SYNC_INTERVAL", 2 * troubles.look_every),
             (book, "MAX_ENDED", 50),
         ):
             stack.enter_context(patch.object(module, name, value))

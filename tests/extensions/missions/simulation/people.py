@@ -9,6 +9,8 @@ from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.grant import UNLIMITED
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
+from dock_gateway.extensions.missions.schedules.schedule import ScheduleBody
+from dock_gateway.extensions.missions.schedules.schedules import Schedules
 from dock_gateway.extensions.missions.schema import MissionBody
 from tests.extensions.missions.simulation.random_missions import RandomMissions
 
@@ -68,6 +70,23 @@ class People:
             f"queue {mission_id}", lambda gateway: gateway.missions.add(mission_id, body, robot, UNLIMITED)
         )
         self._checks.counts["missions"] += 1
+
+    async def store_schedule(self, robot: str) -> None:
+        """Let a schedule queue missions for a robot."""
+        body = ScheduleBody.model_validate_json(json.dumps(self._missions.schedule(robot)))
+        await self._insist(
+            f"store the schedule {robot[1:]}",
+            lambda gateway: gateway.parts[Schedules].replace(robot[1:], body, UNLIMITED),
+        )
+
+    async def remove_schedules(self) -> None:
+        """Remove all schedules, if a gateway is there."""
+
+        async def remove(gateway: "Gateway") -> None:
+            for document in await gateway.parts[Schedules].documents():
+                await gateway.parts[Schedules].remove(document["id"])
+
+        await self._ask("remove the schedules", remove)
 
     async def meddle(self) -> None:
         """Do something with a mission or a goal."""

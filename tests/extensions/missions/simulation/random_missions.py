@@ -32,6 +32,22 @@ class RandomMissions:
                     step["on_failure"] = {"go_to": "last"}
         return f"m{self._mission}", {"steps": steps, "priority": self._draw.choice([20, 50, 50, 50, 80])}
 
+    def schedule(self, robot: str) -> dict[str, Any]:
+        """Return a schedule for a robot: every few minutes it works, and docks."""
+        tag = f"s{robot[1:]}"
+        work = {
+            "action": {"name": f"{robot}/work", "goal": {"tag": f"{tag}.1"}},
+            "on_failure": "next",
+            "timeout_s": 200,
+        }
+        dock = {"dock": {"dock_id": self._draw.choice(self._docks), "tag": f"{tag}.2"}, "on_failure": "next"}
+        return {
+            "robot": robot,
+            "mission": {"steps": [work, dock], "priority": self._draw.choice([20, 50, 80])},
+            "every": {"minutes": self._draw.randint(1, 4)},
+            "if_running": self._draw.choice(["skip", "queue"]),
+        }
+
     def _step(self, robot: str) -> Step:
         kind = self._draw.random()
         if kind < 0.08:

@@ -12,7 +12,7 @@ class Troubles(Faults):
     """A run. Times are in seconds; what happens by itself happens once in so many seconds, on average.
 
     Attributes:
-        robots, docks: How many there are.
+        robots, docks, schedules: How many there are.
         lasts: How long the troubles last. After that, everything works and people continue what is held.
         missions_every: Of each robot, another mission.
         people_every: Of all robots, somebody pauses, continues, skips or cancels a mission, or cancels a goal.
@@ -31,6 +31,7 @@ class Troubles(Faults):
     gateways: int = 1
     robots: int = 3
     docks: int = 2
+    schedules: int = 1
     lasts: float = HOUR / 3
     missions_every: float = 150.0
     people_every: float = 30.0

@@ -78,6 +78,7 @@ class World:
             self._often(troubles.servers_every, self._break_server),
             self._often(troubles.docks_every, self._block_dock),
         ]
+        work += map(self.people.store_schedule, self.names[: troubles.schedules])
         for each in work:
             self.chance.spawn(self._noting(each))
         until = self.chance.loop.time() + troubles.lasts
@@ -125,6 +126,7 @@ class World:
             if not any(gateway.ready and not gateway.dead for gateway in self.gateways):
                 continue
             await self.people.release(None)
+            await self.people.remove_schedules()
             missions = self.checks.stored()
             if not missions and self.checks.added.keys() == self.checks.ended.keys():
                 return
