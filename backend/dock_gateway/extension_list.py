@@ -25,6 +25,7 @@ OURS = (
     "maps",
     "cameras",
     "automation",
+    "chargers",
     "missions",
     "webhooks",
     "rosbridge",

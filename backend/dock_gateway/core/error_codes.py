@@ -124,6 +124,11 @@ CORE = (
         "it; `goal_id` is the one that was not accepted.",
     ),
     ErrorCode(
+        "dock_occupied",
+        409,
+        "Another robot has the dock, or waits for it: `robot`, since `since_at`. The same goal may be sent later.",
+    ),
+    ErrorCode(
         "duplicate_action_server",
         409,
         "More than one action server serves the action, and each would move the robot. With "

@@ -149,6 +149,12 @@ class Conflict(GatewayError):
     code = "goal_rejected"
 
 
+class DockOccupied(Conflict):
+    """Another robot has the dock. The same goal may be sent later: what sends goals by itself waits for that."""
+
+    code = "dock_occupied"
+
+
 def is_by_stop(error: GatewayError) -> bool:
     """Return whether a goal was not sent as its robot is stopped, or was meanwhile."""
     return error.code in ("stop_latched", "stopped")

@@ -84,7 +84,7 @@ class Action:
         self.watch = ServerWatch(self.tracker, settings, self._publish_server, ping_idle=ping_idle, limits=limits)
         self.canceler = Canceler(settings, self.tracker, context.interlock, limits)
         self.delivery = GoalDelivery(context, self.tracker, self.watch, self.canceler)
-        self.submitter = Submitter(settings, history, self.tracker, self.delivery)
+        self.submitter = Submitter(settings, history, self.tracker, self.delivery, adapter)
         self._tasks = Tasks(f"monitoring {self.name}")
         self._tasks.spawn(self.watch.run())
         self._tasks.spawn(Rejoiner(self.tracker, self.watch, limits).run())

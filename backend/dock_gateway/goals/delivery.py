@@ -3,7 +3,7 @@
 import asyncio
 import uuid
 from collections.abc import Awaitable, Callable
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -98,6 +98,7 @@ class GoalDelivery:
                 meantime (`stopped`) or the server rejected the goal (`goal_rejected`, `dock_busy`).
             NotAuthenticated: Raised by the task: the sender's login has ended (`invalid_token`).
             NotAllowed: Raised by the task: `before_send` refuses it (`approval_refused`, `approval_expired`).
+            DockOccupied: Raised by the task: a gate refuses it. Gates may have reasons of their own, too.
             Unavailable: There is no action server that answers; raised by the task, too.
             ServerTimeout: Raised by the task: the server did not answer in time. If it accepts the goal later, the goal
                 is canceled at once.
@@ -132,8 +133,10 @@ class GoalDelivery:
             goal.goal = port.encode_goal(message)
             if claim is not None and (first := await claim.take(goal)):
                 return first
+            message = await self._pass_gates(goal, message, claim, sender)
             await self._context.history.add(goal, claim.key if claim else None)
         else:
+            message = await self._pass_gates(goal, message, None, sender)
             self._canceler.allow(goal)
         self._tracker.apply(GoalMachine.add, goal)
         try:
@@ -144,6 +147,25 @@ class GoalDelivery:
             self._tracker.apply(GoalMachine.end, goal, GoalStatus.REJECTED, error=GoalError(error.code, error.detail))
             raise
         return outcome(goal, running=await self._take_answer(goal, call))
+
+    async def _pass_gates(self, goal: Goal, message: Any, claim: KeyClaim | None, sender: Principal | None) -> Any:
+        """Return the message of a goal that may be sent. The key of one that may not is free again.
+
+        Raises:
+            GatewayError: It may not.
+        """
+        port = self._tracker.port
+        try:
+            for gate in self._context.gates:
+                if (fields := await gate(sender, goal)) is not None:
+                    message = port.goal_codec.parse(fields)
+                    goal.goal = port.encode_goal(message)
+        except GatewayError:
+            if claim is not None:
+                with suppress(Unavailable):
+                    await self._context.history.release(claim.key, goal.goal_id)
+            raise
+        return message
 
     @staticmethod
     def _act(sender: Principal | None) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from dock_gateway.core.dock_adapters.adapter import named_dock
-from dock_gateway.core.dock_adapters.charging_dock import FAMILY
+from dock_gateway.core.dock_adapters.charging_dock import FAMILY, NEAREST
 from dock_gateway.core.errors import NotFound, Unavailable
 from dock_gateway.core.scene import Pose
 from dock_gateway.core.tasks import cancel
@@ -22,8 +22,6 @@ FRESH = 5.0
 WITHIN = 6.0
 # Seconds that a goal waits for the docks.
 SAY_WITHIN = 2.0
-# In place of a name, our server takes this: the dock that the robot is nearest to.
-NEAREST = "nearest"
 KEYS = ("type", "frame", "pose", "id")
 # The fields of a dock that are texts, and their keys.
 TEXTS = {"type": "type", "frame": "frame", "tag_id": "id"}

@@ -18,7 +18,7 @@ from dock_gateway.core.listeners import Hooks, Listeners
 from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.goals.action import FORGET_AFTER, Action
-from dock_gateway.goals.action_context import ActionContext, BeforeSend
+from dock_gateway.goals.action_context import ActionContext, BeforeSend, Gate
 from dock_gateway.goals.action_document import Uninstalled
 from dock_gateway.goals.expected_goals import ExpectedGoals
 from dock_gateway.goals.goal_machine import GoalChange, GoalMachine
@@ -66,6 +66,8 @@ class ActionRegistry:
         remarks: Each returns what is wrong around the robot of an action, or "": added to the reason of goals that are
             aborted.
         before_send: Called and awaited before each goal is sent through the gateway; what it raises refuses the goal.
+        gates: Called and awaited with each goal before it is stored and sent, whoever sends it; what one raises refuses
+            the goal, and what it returns are other fields for its message.
         before_lost: Called with a goal of any action that is about to be lost; what was done is added to the reason.
         on_sent: Called with a goal of any action when this gateway sends it.
         on_change: Called with a goal of any action after each of its events before its end.
@@ -98,8 +100,9 @@ class ActionRegistry:
         self.remarks = Hooks[Callable[[str], str]]()
         self.before_send = Hooks[BeforeSend]()
         self.before_lost = Hooks[BeforeLost]()
+        self.gates = Hooks[Gate]()
         self._context = ActionContext(
-            settings, fanout, history, reasons, interlock, limits, self.before_send, self.before_lost
+            settings, fanout, history, reasons, interlock, limits, self.before_send, self.before_lost, self.gates
         )
         self.on_sent = Listeners[[Goal]]("a goal is sent")
         self.on_change = Listeners[[Goal]]("a goal has changed")

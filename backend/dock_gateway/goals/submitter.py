@@ -4,7 +4,10 @@ import asyncio
 import time
 from typing import Any
 
+import orjson
+
 from dock_gateway.core.access import Principal
+from dock_gateway.core.dock_adapters.adapter import DockAdapter
 from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.goals.delivery import GoalDelivery, KeyClaim, outcome
@@ -19,7 +22,15 @@ CLAIM_WAIT = 2.0
 class Submitter:
     """Submits goals of one action."""
 
-    def __init__(self, settings: Settings, history: History, tracker: GoalTracker, delivery: GoalDelivery) -> None:
+    def __init__(
+        self,
+        settings: Settings,
+        history: History,
+        tracker: GoalTracker,
+        delivery: GoalDelivery,
+        adapter: DockAdapter | None = None,
+    ) -> None:
+        self._adapter = adapter
         self._settings = settings
         self._history = history
         self._tracker = tracker
@@ -50,11 +61,7 @@ class Submitter:
         if under_way is None:
             first = await self._known(idempotency_key)
             if first is not None:
-                port = self._tracker.port
-                self._require_same(
-                    fingerprint_of(first.action_name, first.goal),
-                    fingerprint_of(port.action_name, port.encode_goal(message)),
-                )
+                message = self._require_first(first, message)
                 first = await self._settled(first)
                 if self._may_send_again(first):
                     again = first
@@ -70,6 +77,24 @@ class Submitter:
             encode = self._tracker.port.encode_goal
             self._require_same(encode(first_message), encode(message))
         return await asyncio.shield(task)
+
+    def _require_first(self, first: Goal, message: Any) -> Any:
+        """Check that a key's first goal was asked for with this message; return the message that was sent.
+
+        A gate may have named the dock of a goal that named none.
+
+        Raises:
+            Conflict: It was another one (`idempotency_key_reused`).
+        """
+        port, adapter = self._tracker.port, self._adapter
+        asked = port.encode_goal(message)
+        if adapter is not None and first.goal is not None and asked != first.goal:
+            fields, sent = orjson.loads(asked), adapter.dock_of(orjson.loads(first.goal))
+            if sent and adapter.dock_of(fields) == "":
+                message = port.goal_codec.parse(adapter.at_dock(fields, sent))
+                asked = port.encode_goal(message)
+        self._require_same(fingerprint_of(first.action_name, first.goal), fingerprint_of(port.action_name, asked))
+        return message
 
     async def _known(self, idempotency_key: str) -> Goal | None:
         try:

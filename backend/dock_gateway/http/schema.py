@@ -1,5 +1,6 @@
 """The JSON shapes that several resources share."""
 
+from datetime import datetime
 from typing import Annotated, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -61,6 +62,8 @@ class Problem(BaseModel):
 
     `gateway` is the one that serves the robot, if this one does not and it is known.
 
+    `robot` has what the request needs, since `since_at`.
+
     `retry_after` is the number of seconds in the header `Retry-After`, after failed logins.
 
     `limit` is how many there may be of what is stored, `use` the request to send instead, such as `POST /stop`, and
@@ -85,6 +88,8 @@ class Problem(BaseModel):
     docks: list[str] | None = None
     settings: list[str] | None = None
     gateway: GatewayAddress | None = None
+    robot: str | None = None
+    since_at: datetime | None = None
 
 
 class RobotSelection(Schema):

@@ -501,6 +501,77 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/shared-docks": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Shared Docks
+         * @description List the shared docks by name, each with who has it and who waits for it.
+         */
+        get: operations["list_shared_docks"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/shared-docks/{dock_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Shared Dock
+         * @description Return a shared dock.
+         */
+        get: operations["get_shared_dock"];
+        /**
+         * Replace Shared Dock
+         * @description Store a shared dock, new or changed, at every gateway that shares the history.
+         *
+         *     From then on at most one robot has it: a docking goal reserves it, and is refused (`dock_occupied`) while another
+         *     robot has it.
+         */
+        put: operations["replace_shared_dock"];
+        post?: never;
+        /**
+         * Remove Shared Dock
+         * @description Remove a shared dock: nothing is reserved there any more. Goals to it go on.
+         */
+        delete: operations["remove_shared_dock"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/shared-docks/{dock_id}/report": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Report Shared Dock
+         * @description Say what you see at a shared dock: who stands there, and whether it is out of order.
+         */
+        post: operations["report_shared_dock"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/missions": {
         parameters: {
             query?: never;
@@ -2330,7 +2401,7 @@ export interface components {
          * @description The kinds of alerts.
          * @enum {string}
          */
-        AlertKind: "stop_latched" | "goal_lost" | "discharging_on_dock" | "low_battery" | "battery_implausible" | "battery_stale" | "history_lost" | "extension_failed" | "duplicate_action_server" | "split_robot" | "site_unreachable" | "site_refused" | "wrong_topic_type" | "duplicate_base" | "robot_seen_twice" | "robots_claimed_twice" | "commands_lost" | "recordings_failed" | "automatic_docking_failed" | "mission_notice" | "schedule_failed";
+        AlertKind: "stop_latched" | "goal_lost" | "discharging_on_dock" | "low_battery" | "battery_implausible" | "battery_stale" | "history_lost" | "extension_failed" | "duplicate_action_server" | "split_robot" | "site_unreachable" | "site_refused" | "wrong_topic_type" | "duplicate_base" | "robot_seen_twice" | "robots_claimed_twice" | "commands_lost" | "recordings_failed" | "automatic_docking_failed" | "dock_out_of_order" | "no_contact_at_dock" | "dock_contested" | "mission_notice" | "schedule_failed";
         /**
          * AlertList
          * @description The active alerts: critical ones first, then oldest first.
@@ -3112,11 +3183,59 @@ export interface components {
             docks: components["schemas"]["Dock"][];
         };
         /**
+         * DockPose
+         * @description Where a dock is: metres and radians in a frame.
+         */
+        DockPose: {
+            /**
+             * Frame
+             * @default map
+             */
+            frame: string;
+            /**
+             * X
+             * @description Metres
+             */
+            x: number;
+            /**
+             * Y
+             * @description Metres
+             */
+            y: number;
+            /**
+             * Theta
+             * @description Radians
+             * @default 0
+             */
+            theta: number;
+        };
+        /**
          * DockResult
          * @description Result of ConnectToChargingDock and DisconnectFromChargingDock.
          */
         DockResult: {
             final_battery_state: components["schemas"]["BatteryState"];
+        };
+        /**
+         * DockState
+         * @description What is the matter with a shared dock.
+         * @enum {string}
+         */
+        DockState: "free" | "reserved" | "occupied" | "occupied_by_unknown" | "no_contact" | "out_of_order";
+        /**
+         * DockWait
+         * @description A robot that waits for a dock; `battery` is its charge, 0 to 1, if that is known.
+         */
+        DockWait: {
+            /** Robot */
+            robot: string;
+            /**
+             * Since At
+             * Format: date-time
+             */
+            since_at: string;
+            /** Battery */
+            battery: number | null;
         };
         /**
          * DockingEvent
@@ -3284,7 +3403,7 @@ export interface components {
             count: number;
         };
         /** @description A message of an event stream. */
-        Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["FeedbackDroppedEvent"] | components["schemas"]["ResumedEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ClosingEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["DockingEvent"] | components["schemas"]["StopEvent"] | components["schemas"]["SimulatorEvent"] | components["schemas"]["RobotsEvent"] | components["schemas"]["AlertsEvent"] | components["schemas"]["ApprovalsEvent"] | components["schemas"]["SceneEvent"] | components["schemas"]["ScenesEvent"] | components["schemas"]["MapEvent"] | components["schemas"]["MapsEvent"] | components["schemas"]["ScanEvent"] | components["schemas"]["PathEvent"] | components["schemas"]["AutomationEvent"] | components["schemas"]["MissionEvent"];
+        Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["FeedbackDroppedEvent"] | components["schemas"]["ResumedEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ClosingEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["DockingEvent"] | components["schemas"]["StopEvent"] | components["schemas"]["SimulatorEvent"] | components["schemas"]["RobotsEvent"] | components["schemas"]["AlertsEvent"] | components["schemas"]["ApprovalsEvent"] | components["schemas"]["SceneEvent"] | components["schemas"]["ScenesEvent"] | components["schemas"]["MapEvent"] | components["schemas"]["MapsEvent"] | components["schemas"]["ScanEvent"] | components["schemas"]["PathEvent"] | components["schemas"]["AutomationEvent"] | components["schemas"]["SharedDockEvent"] | components["schemas"]["MissionEvent"];
         /**
          * EventType
          * @description The type of an event.
@@ -4039,7 +4158,7 @@ export interface components {
          * @description A type of events, or a group of them: `system` or `fleet`.
          * @enum {string}
          */
-        Include: "battery" | "cmd_vel" | "battery_publisher" | "action_server" | "docking" | "stop" | "simulator" | "robots" | "alerts" | "approvals" | "scene" | "scenes" | "system" | "fleet" | "map" | "maps" | "scan" | "path" | "automation" | "mission";
+        Include: "battery" | "cmd_vel" | "battery_publisher" | "action_server" | "docking" | "stop" | "simulator" | "robots" | "alerts" | "approvals" | "scene" | "scenes" | "system" | "fleet" | "map" | "maps" | "scan" | "path" | "automation" | "shared_dock" | "mission";
         /**
          * Infrared
          * @description Readings of the infrared receivers at the robot's front, in m; null if nothing is detected.
@@ -4901,6 +5020,8 @@ export interface components {
          *
          *     `gateway` is the one that serves the robot, if this one does not and it is known.
          *
+         *     `robot` has what the request needs, since `since_at`.
+         *
          *     `retry_after` is the number of seconds in the header `Retry-After`, after failed logins.
          *
          *     `limit` is how many there may be of what is stored, `use` the request to send instead, such as `POST /stop`, and
@@ -4966,6 +5087,16 @@ export interface components {
             settings: string[] | null;
             /** @default null */
             gateway: components["schemas"]["GatewayAddress"] | null;
+            /**
+             * Robot
+             * @default null
+             */
+            robot: string | null;
+            /**
+             * Since At
+             * @default null
+             */
+            since_at: string | null;
         };
         /**
          * Provider
@@ -5721,6 +5852,88 @@ export interface components {
             share: string[];
         };
         /**
+         * SharedDock
+         * @description A shared dock. `detail` says in a sentence what its `state` means.
+         *
+         *     `robot` has it, since `since_at`, for its goals `goal_ids`; null if nobody has it, or the login does not see the
+         *     robot. `failures` counts the dockings in a row that have failed. `waiting` lists the robots that wait, the first
+         *     first.
+         */
+        SharedDock: {
+            /**
+             * Etag
+             * @description The version, as in the header `ETag`: send it as `If-Match`
+             */
+            etag: string;
+            /**
+             * @description The robots that it fits; all by default
+             * @default {
+             *       "all": true,
+             *       "names": [],
+             *       "groups": []
+             *     }
+             */
+            robots: components["schemas"]["RobotSelection"];
+            /**
+             * @description Where it is, if that is known; it is only shown
+             * @default null
+             */
+            pose: components["schemas"]["DockPose"] | null;
+            /** Changed By */
+            changed_by: string | null;
+            /**
+             * Changed At
+             * Format: date-time
+             */
+            changed_at: string;
+            /** Dock Id */
+            dock_id: string;
+            state: components["schemas"]["DockState"];
+            /** Detail */
+            detail: string;
+            /** Robot */
+            robot: string | null;
+            /** Since At */
+            since_at: string | null;
+            /** Goal Ids */
+            goal_ids: string[];
+            /** Out Of Order At */
+            out_of_order_at: string | null;
+            /** Note */
+            note: string | null;
+            /** Failures */
+            failures: number;
+            /** Waiting */
+            waiting: components["schemas"]["DockWait"][];
+        };
+        /**
+         * SharedDockEvent
+         * @description A shared dock has changed, or is removed: then `shared_dock` is null.
+         */
+        SharedDockEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "shared_dock";
+            /**
+             * Time
+             * Format: date-time
+             */
+            time: string;
+            /** Dock Id */
+            dock_id: string;
+            shared_dock: components["schemas"]["SharedDock"] | null;
+        };
+        /**
+         * SharedDockList
+         * @description The shared docks, by name.
+         */
+        SharedDockList: {
+            /** Shared Docks */
+            shared_docks: components["schemas"]["SharedDock"][];
+        };
+        /**
          * Simulator
          * @description The state of a simulated robot.
          *
@@ -6190,6 +6403,16 @@ export interface components {
             settings: string[] | null;
             /** @default null */
             gateway: components["schemas"]["GatewayAddress"] | null;
+            /**
+             * Robot
+             * @default null
+             */
+            robot: string | null;
+            /**
+             * Since At
+             * @default null
+             */
+            since_at: string | null;
             /**
              * Stopped
              * @default null
@@ -6664,7 +6887,7 @@ export interface components {
          * @description Why a rule does not dock a robot now.
          * @enum {string}
          */
-        WaitReason: "off" | "battery_ok" | "battery_unknown" | "not_due" | "docked" | "server_unavailable" | "shared_action" | "goal_running" | "goal_lost" | "at_work" | "quiet_period" | "stopped" | "not_idle" | "retry_later" | "reported" | "stop_latched" | "gave_up" | "deciding" | "history_unavailable";
+        WaitReason: "off" | "battery_ok" | "battery_unknown" | "not_due" | "docked" | "server_unavailable" | "shared_action" | "goal_running" | "goal_lost" | "at_work" | "dock_occupied" | "quiet_period" | "stopped" | "not_idle" | "retry_later" | "reported" | "stop_latched" | "gave_up" | "deciding" | "history_unavailable";
         /**
          * WaitStep
          * @description One thing to wait for.
@@ -6699,7 +6922,7 @@ export interface components {
          * @description What a mission waits for that has not ended.
          * @enum {string}
          */
-        WaitsFor: "turn" | "continue" | "stop_released" | "other_goal" | "retry" | "time" | "battery" | "goal" | "server" | "answer" | "lost_goal" | "history";
+        WaitsFor: "turn" | "continue" | "stop_released" | "other_goal" | "retry" | "time" | "battery" | "goal" | "server" | "dock" | "answer" | "lost_goal" | "history";
         /**
          * Waypoint
          * @description Where to drive, in metres in a frame, and how to stand there: `yaw`, in radians.
@@ -9567,6 +9790,525 @@ export interface operations {
             /** @description Unprocessable Entity */
             422: {
                 headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    /** @description Seconds after which it may succeed */
+                    "Retry-After"?: number;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_shared_docks: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SharedDockList"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    /** @description Seconds after which it may succeed */
+                    "Retry-After"?: number;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_shared_dock: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The name by which the docking servers know it */
+                dock_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    /** @description The version, for `If-Match` */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SharedDock"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    /** @description Seconds after which it may succeed */
+                    "Retry-After"?: number;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    replace_shared_dock: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description Entity tags: change it only if its version is one of these; `*`: if it exists */
+                "If-Match"?: string;
+                /** @description `*`: only if there is none yet */
+                "If-None-Match"?: string;
+            };
+            path: {
+                /** @description The name by which the docking servers know it */
+                dock_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": {
+                    /**
+                     * @description The robots that it fits; all by default
+                     * @default {
+                     *       "all": true,
+                     *       "names": [],
+                     *       "groups": []
+                     *     }
+                     */
+                    robots?: {
+                        /** @default false */
+                        all?: boolean;
+                        /** @default [] */
+                        names?: string[];
+                        /** @default [] */
+                        groups?: string[];
+                    };
+                    /** @description Where it is, if that is known; it is only shown */
+                    pose?: {
+                        /** @default map */
+                        frame?: string;
+                        /** @description Metres */
+                        x: number;
+                        /** @description Metres */
+                        y: number;
+                        /**
+                         * @description Radians
+                         * @default 0
+                         */
+                        theta?: number;
+                    } | null;
+                    by?: string | null;
+                };
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    /** @description The version, for `If-Match` */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SharedDock"];
+                };
+            };
+            /** @description It is new */
+            201: {
+                headers: {
+                    /** @description The version, for `If-Match` */
+                    ETag?: string;
+                    /** @description Its path */
+                    Location?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SharedDock"];
+                };
+            };
+            /** @description Bad Request */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Timeout */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Precondition Failed */
+            412: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Entity Too Large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unsupported Media Type */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too Many Requests */
+            429: {
+                headers: {
+                    /** @description Seconds after which it may succeed */
+                    "Retry-After"?: number;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    /** @description Seconds after which it may succeed */
+                    "Retry-After"?: number;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    remove_shared_dock: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description Entity tags: change it only if its version is one of these; `*`: if it exists */
+                "If-Match"?: string;
+            };
+            path: {
+                /** @description The name by which the docking servers know it */
+                dock_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Precondition Failed */
+            412: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    /** @description Seconds after which it may succeed */
+                    "Retry-After"?: number;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    report_shared_dock: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description The name by which the docking servers know it */
+                dock_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": {
+                    occupied_by?: ("nobody" | "unknown") | string | null;
+                    out_of_order?: boolean | null;
+                    /** @description Why it is out of order */
+                    note?: string | null;
+                    by?: string | null;
+                };
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["SharedDock"];
+                };
+            };
+            /** @description Bad Request */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Timeout */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Entity Too Large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unsupported Media Type */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too Many Requests */
+            429: {
+                headers: {
+                    /** @description Seconds after which it may succeed */
+                    "Retry-After"?: number;
                     [name: string]: unknown;
                 };
                 content: {

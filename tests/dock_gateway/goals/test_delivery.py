@@ -5,16 +5,26 @@ from collections.abc import AsyncIterator
 from types import SimpleNamespace
 from typing import Any
 
+import orjson
 import pytest
 
 from dock_gateway.core.access import ANYBODY, Principal
-from dock_gateway.core.errors import Conflict, GatewayError, NotAllowed, ServerTimeout, TooManyRequests, Unavailable
+from dock_gateway.core.dock_adapters.adapter import Fields
+from dock_gateway.core.errors import (
+    Conflict,
+    DockOccupied,
+    GatewayError,
+    NotAllowed,
+    ServerTimeout,
+    TooManyRequests,
+    Unavailable,
+)
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import UNCONFIRMED, Goal, GoalError, GoalStatus
 from dock_gateway.core.tasks import PendingFacts
-from dock_gateway.goals.action_context import ActionContext
+from dock_gateway.goals.action_context import ActionContext, Gate
 from dock_gateway.goals.cancellation import TOO_LATE, Canceler
 from dock_gateway.goals.delivery import STOPPED_ON_ITS_WAY, GoalDelivery, KeyClaim, outcome
 from dock_gateway.goals.goal_machine import GoalMachine
@@ -86,9 +96,18 @@ class Scene:
         self.settings = Settings(**{"accept_timeout": 30.0, "max_pending_goals": 2, **settings})
         self.asked: list[tuple[Principal, str, bytes]] = []
         self.refusal: NotAllowed | None = None
+        self.gates: list[Gate] = []
         self.canceler = Canceler(self.settings, self.tracker, self.interlock)
         self.delivery = GoalDelivery(
-            ActionContext(self.settings, fanout, self.history, self.reasons, self.interlock, before_send=[self.allow]),
+            ActionContext(
+                self.settings,
+                fanout,
+                self.history,
+                self.reasons,
+                self.interlock,
+                before_send=[self.allow],
+                gates=self.gates,
+            ),
             self.tracker,
             self.watch,
             self.canceler,
@@ -436,3 +455,75 @@ async def test_what_is_called_before_a_goal_is_sent_may_refuse_it(scene: Scene) 
     automatic = await scene.send(sender=None)
     assert len(scene.asked) == 1, "a rule asks nobody"
     automatic.cancel()
+
+
+async def test_a_gate_is_asked_whoever_sends_a_goal_before_it_is_stored(scene: Scene) -> None:
+    asked: list[tuple[Principal | None, bytes | None]] = []
+
+    async def gate(sender: Principal | None, goal: Goal) -> None:
+        assert await scene.history.get(goal.goal_id) is None
+        asked.append((sender, goal.goal))
+
+    scene.gates.append(gate)
+    for sender in (ANYBODY, None):
+        task = await scene.send('{"n":1}', sender=sender)
+        scene.answer(ACCEPTED)
+        await task
+    assert asked == [(ANYBODY, b'{"n":1}'), (None, b'{"n":1}')]
+
+
+async def test_a_gate_gives_a_goal_other_fields(scene: Scene) -> None:
+    async def gate(_: Principal | None, goal: Goal) -> Fields:
+        assert goal.goal is not None
+        return {**orjson.loads(goal.goal), "dock_id": "lab"}
+
+    scene.gates.append(gate)
+    scene.port.goal_codec = SimpleNamespace(parse=lambda fields: orjson.dumps(fields).decode())
+    task = await scene.send('{"n":1}')
+    scene.answer(ACCEPTED)
+    goal = await task
+    assert goal.goal == b'{"n":1,"dock_id":"lab"}'
+    assert scene.port.messages == {goal.goal_id: '{"n":1,"dock_id":"lab"}'}
+
+
+async def test_a_goal_that_a_gate_refuses_is_not_stored_and_its_key_is_free(scene: Scene) -> None:
+    async def gate(_: Principal | None, __: Goal) -> None:
+        raise DockOccupied("/robot2 has it", robot="/robot2")
+
+    async def take(goal: Goal) -> None:
+        await scene.history.claim("key", goal.goal_id, "print")
+
+    scene.gates.append(gate)
+    error = await refusal(await scene.send(claim=KeyClaim("key", take)))
+    assert (error.code, error.extra) == ("dock_occupied", {"robot": "/robot2"})
+    assert (scene.port.sent, scene.tracker.live, await scene.history.by_key("key")) == ({}, {}, None)
+    assert await scene.history.claim("key", "another", "other print") == ("another", "other print")
+
+
+async def test_a_goal_that_was_never_confirmed_asks_again(scene: Scene) -> None:
+    asked: list[str] = []
+
+    async def gate(_: Principal | None, goal: Goal) -> None:
+        asked.append(goal.goal_id)
+
+    scene.gates.append(gate)
+    lost = Goal(A, "/dock", "pkg/action/Dock", utc_now())
+    lost.lose(GoalError("action_server_lost", "gone"), utc_now())
+    assert lost.unconfirmed
+    await scene.send(again=lost)
+    assert asked == [A]
+
+
+async def test_a_stop_asks_no_gate(scene: Scene) -> None:
+    task = await scene.send()
+    scene.answer(ACCEPTED)
+    await task
+
+    async def gate(_: Principal | None, __: Goal) -> None:
+        pytest.fail("it was asked")
+
+    scene.gates.append(gate)
+    scene.delivery.stop()
+    (goal,) = scene.tracker.live.values()
+    await scene.canceler.cancel(goal)
+    assert scene.port.canceled

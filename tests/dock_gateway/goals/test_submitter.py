@@ -4,15 +4,17 @@ import asyncio
 from collections.abc import AsyncIterator
 from types import SimpleNamespace
 
+import orjson
 import pytest
 
 from dock_gateway.core.access import ANYBODY
+from dock_gateway.core.dock_adapters import charging_dock
 from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.core.event import STATUS, event_id, nanoseconds, utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.core.tasks import PendingFacts
-from dock_gateway.goals.action_context import ActionContext
+from dock_gateway.goals.action_context import ActionContext, Gate
 from dock_gateway.goals.cancellation import Canceler
 from dock_gateway.goals.delivery import GoalDelivery
 from dock_gateway.goals.goal_machine import GoalMachine
@@ -77,14 +79,15 @@ class Scene:
         settings = self.settings = Settings(accept_timeout=5.0)
         self.interlock = Interlock(fanout, LatchFile(settings.stop_file))
         self.reasons: PendingFacts[GoalError] = PendingFacts(0.01)
+        self.gates: list[Gate] = []
         canceler = Canceler(settings, self.tracker, self.interlock)
         delivery = GoalDelivery(
-            ActionContext(settings, fanout, self.history, self.reasons, self.interlock),
+            ActionContext(settings, fanout, self.history, self.reasons, self.interlock, gates=self.gates),
             self.tracker,
             FakeWatch(),  # type: ignore[arg-type]
             canceler,
         )
-        self.submitter = Submitter(settings, self.history, self.tracker, delivery)
+        self.submitter = Submitter(settings, self.history, self.tracker, delivery, charging_dock.DOCK)
         self.delivery = delivery
 
     def submit(self, key: str | None = None, message: str = "{}") -> "asyncio.Task[Goal]":
@@ -296,3 +299,29 @@ async def test_a_goal_whose_cancel_was_given_up_and_that_succeeds_has_no_error(s
     kept = await scene.history.get(goal.goal_id)
     assert kept is not None
     assert (kept.status, kept.error) == (GoalStatus.SUCCEEDED, None)
+
+
+async def test_a_key_keeps_its_goal_although_a_gate_has_named_its_dock(scene: Scene) -> None:
+    """What was asked for counts, not the message that was sent."""
+
+    async def gate(_: object, goal: Goal) -> dict[str, object]:
+        assert goal.goal is not None
+        return {**charging_dock.DOCK.at_dock(orjson.loads(goal.goal), "lab")}
+
+    def asked(location: str) -> str:
+        return orjson.dumps({"desired_battery_state": {"location": location}}).decode()
+
+    scene.port.goal_codec = SimpleNamespace(parse=lambda fields: orjson.dumps(fields).decode())  # type: ignore[attr-defined]
+    scene.history.gate.set_result(None)
+    scene.gates.append(gate)
+    first = scene.submit("key", asked(""))
+    await until(lambda: bool(scene.port.sent))
+    scene.port.answer_goal(ACCEPTED)
+    goal = await first
+    assert goal.goal == asked("lab").encode()
+    for same in ("", "nearest", "lab"):
+        assert (await scene.submit("key", asked(same))).goal_id == goal.goal_id
+    for other in ("home", '{"pose": [1, 2, 0]}'):
+        with pytest.raises(Conflict) as refused:
+            await scene.submit("key", asked(other))
+        assert refused.value.code == "idempotency_key_reused"

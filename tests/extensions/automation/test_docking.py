@@ -10,18 +10,19 @@ import pytest
 
 from dock_gateway.core.battery import BatteryReading
 from dock_gateway.core.dock_adapters.catalog import DockingPair
-from dock_gateway.core.errors import Conflict, GatewayError, Unavailable
+from dock_gateway.core.errors import Conflict, DockOccupied, GatewayError, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.extensions.automation import facts
+from dock_gateway.extensions.automation import docking, facts
 from dock_gateway.extensions.automation.activity import Activity
 from dock_gateway.extensions.automation.decision import DecisionEntry, DecisionOutcome, HoldEntry, RuleMode
 from dock_gateway.extensions.automation.decisions import DecisionLog
 from dock_gateway.extensions.automation.docking import AutomaticDocking
 from dock_gateway.extensions.automation.facts import FactReader
 from dock_gateway.extensions.automation.holds import Holds
+from dock_gateway.extensions.automation.past import MAX_ATTEMPTS
 from dock_gateway.extensions.automation.rule import BatteryCondition, RuleEntry
 from dock_gateway.extensions.automation.rules import DockingRules
 from dock_gateway.fleet.fleet import Fleet
@@ -438,3 +439,20 @@ def test_what_counts_as_activity(caplog: pytest.LogCaptureFixture) -> None:
     activity.unsubscribed(ROBOT)
     activity.watch({ROBOT})
     assert activity.still_since(ROBOT) is None, "it is not subscribed to again yet"
+
+
+async def test_a_robot_whose_dock_is_occupied_waits_and_that_is_no_attempt(
+    site: Site, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(docking, "ASK_AGAIN", 0.1)
+    asked: list[None] = []
+    site.robot.refusal = DockOccupied("/robot2 stands on the dock")
+    site.robot.on_submit = lambda: asked.append(None)
+    rules = site.gateway()
+    await rules.replace("low", AT_ONCE)
+    await until(lambda: len(asked) > MAX_ATTEMPTS)
+    assert await waits(rules) == ["dock_occupied"]
+    site.robot.refusal = None
+    (decision,) = await site.decided()
+    (identity,) = site.stored.known
+    assert (decision.outcome, site.robot.sent) == (DecisionOutcome.SENT, [f"automatic-docking-{identity}"])

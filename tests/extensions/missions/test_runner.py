@@ -8,7 +8,7 @@ from typing import Any, cast
 
 import pytest
 
-from dock_gateway.core.errors import Conflict, GatewayError, NotFound, Unavailable
+from dock_gateway.core.errors import Conflict, DockOccupied, GatewayError, NotFound, Unavailable
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.grant import UNLIMITED
@@ -394,3 +394,24 @@ async def test_a_place_that_was_removed_fails_its_step() -> None:
     assert (mission.status, [step.status for step in mission.steps[1:]]) == (MissionStatus.FAILED, 2 * ["failed"])
     assert mission.error is not None
     assert (mission.error.code, site.server.goals) == ("place_not_found", {})
+
+
+@in_virtual_time
+async def test_a_step_whose_dock_is_occupied_waits_for_it() -> None:
+    site = Site()
+    site.server.refuses = [DockOccupied("/robot2 stands on the dock") for _ in range(50)]
+    await site.add(DOCK)
+    await asyncio.sleep(20)
+    assert site.runners[0].book.waits == {"a": "dock"}
+    mission = await site.ended()
+    assert (mission.status, mission.steps[0].attempt) == (MissionStatus.SUCCEEDED, 1)
+
+
+@in_virtual_time
+async def test_a_step_that_waits_for_its_dock_fails_in_time() -> None:
+    site = Site()
+    site.server.refuses = [DockOccupied("/robot2 stands on the dock") for _ in range(1000)]
+    await site.add({**DOCK, "timeout_s": 60})
+    mission = await site.ended()
+    error = mission.steps[0].error
+    assert (mission.status, error and error.code) == (MissionStatus.FAILED, "step_timeout")

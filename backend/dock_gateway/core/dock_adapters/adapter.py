@@ -79,6 +79,14 @@ class DockAdapter:
         """
         return request
 
+    def dock_of(self, goal: Fields) -> str | None:
+        """Return the name of the dock that a goal message is for; empty: the server chooses; None: it has no name."""
+        return None
+
+    def at_dock(self, goal: Fields, dock: str) -> Fields:
+        """Return a goal message without the name of a dock for a dock by its name."""
+        return goal
+
     def progress(self, feedback: Fields) -> Progress:
         """Return the stage and the number of retries that feedback tells."""
         return Progress()

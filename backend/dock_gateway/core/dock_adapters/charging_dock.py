@@ -23,6 +23,8 @@ from dock_gateway.core.scene import Pose
 
 FAMILY = "charging_dock"
 CHARGING = {"power_supply_status": 1}
+# In place of a name, the server takes this: the dock that the robot is nearest to.
+NEAREST = "nearest"
 
 
 @dataclass(frozen=True)
@@ -52,6 +54,17 @@ class ConnectToChargingDock(DockAdapter):
         return {name: value for name, value in request.items() if name not in own} | {
             DESIRED: {**desired, "location": dock}
         }
+
+    def dock_of(self, goal: Fields) -> str | None:
+        """Read `location`: it is a name, unless it describes the dock."""
+        location: str = goal.get(DESIRED, {}).get("location", "")
+        if location.lstrip().startswith("{"):
+            return None
+        return "" if location == NEAREST else location
+
+    def at_dock(self, goal: Fields, dock: str) -> Fields:
+        """Set `location`."""
+        return {**goal, DESIRED: {**goal.get(DESIRED, {}), "location": dock}}
 
 
 def _describe(request: Fields, path: str) -> str:

@@ -99,6 +99,14 @@ class DockRobot(DockAdapter):
             return fields
         return {**fields, DOCK_ID: dock or default_dock}
 
+    def dock_of(self, goal: Fields) -> str | None:
+        """Read `dock_id`, unless the pose counts."""
+        return str(goal.get(DOCK_ID, "")) if goal.get(USE_ID) else None
+
+    def at_dock(self, goal: Fields, dock: str) -> Fields:
+        """Set `dock_id`."""
+        return {**goal, DOCK_ID: dock}
+
     def progress(self, feedback: Fields) -> Progress:
         """Read the state, and the number of retries."""
         return Progress(STAGES.get(feedback.get("state", 0)), feedback.get("num_retries"))

@@ -100,6 +100,7 @@ class WaitReason(StrEnum):
     GOAL_RUNNING = "goal_running"
     GOAL_LOST = "goal_lost"
     AT_WORK = "at_work"
+    DOCK_OCCUPIED = "dock_occupied"
     QUIET_PERIOD = "quiet_period"
     STOPPED = "stopped"
     NOT_IDLE = "not_idle"

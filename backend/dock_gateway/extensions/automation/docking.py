@@ -7,7 +7,7 @@ import uuid
 from collections.abc import Coroutine
 from datetime import timedelta
 
-from dock_gateway.core.errors import Conflict, GatewayError, Unavailable, is_by_stop
+from dock_gateway.core.errors import Conflict, DockOccupied, GatewayError, Unavailable, is_by_stop
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.extensions.automation.activity import Activity
@@ -26,6 +26,8 @@ log = logging.getLogger(__name__)
 INTERVAL = 1.0
 # Checks between two reads of what other gateways have stored.
 SYNC_EVERY = 2
+# Seconds after which a rule tries again to dock a robot whose dock another robot had: it waits in that dock's queue.
+ASK_AGAIN = 10.0
 # How long after a decision without an outcome its gateway must have ended.
 INTERRUPTED_AFTER = timedelta(minutes=1)
 
@@ -70,6 +72,7 @@ class AutomaticDocking:
         self._policy = DockingPolicy()
         self._answers: bool | None = None  # whether the history does
         self._deciding: set[str] = set()  # robots
+        self._occupied: dict[str, float] = {}  # when another robot had the dock of a robot
         self._checks = 0
         self._tasks = Tasks("docking automatically")
 
@@ -112,9 +115,22 @@ class AutomaticDocking:
             return
         self._decisions.close_series(verdict.recovered)
         for decision in verdict.decisions:
+            if self._waits_for_dock(decision):
+                self._rules.waits[decision.rule_id, decision.robot] = WaitReason.DOCK_OCCUPIED
+                continue
             self._spawn(decision, self._carry_out(decision, self._book.get(decision.rule_id)))
         for identity, decision in self._decisions.interrupted(utc_now() - INTERRUPTED_AFTER).items():
             self._spawn(decision, self._resolve(identity, decision))
+
+    def _waits_for_dock(self, decision: DecisionEntry) -> bool:
+        """Return whether another robot had the dock of a robot a moment ago."""
+        occupied = self._occupied.get(decision.robot)
+        return (
+            decision.outcome is DecisionOutcome.SENDING
+            and decision.scheduled_at is None
+            and occupied is not None
+            and time.monotonic() - occupied < ASK_AGAIN
+        )
 
     async def _sync(self) -> None:
         """Read the rules of other gateways, and their decisions and holds if these may count."""
@@ -155,13 +171,22 @@ class AutomaticDocking:
                 decision = await self._send(identity, decision)
             self._decisions.finish(identity, decision)
             await self._decisions.save()
+        except DockOccupied:  # no attempt: it is decided again
+            self._occupied[decision.robot] = time.monotonic()
+            self._rules.waits[decision.rule_id, decision.robot] = WaitReason.DOCK_OCCUPIED
+            self._decisions.put(identity, None)
+            await self._decisions.save()
         except Conflict:
             await self._decisions.sync()
         except Unavailable:
             self._note_history(answers=False)
 
     async def _send(self, identity: str, decision: DecisionEntry) -> DecisionEntry:
-        """Send the goal of a claimed decision, unless something has changed since; return what came of it."""
+        """Send the goal of a claimed decision, unless something has changed since; return what came of it.
+
+        Raises:
+            DockOccupied: Another robot has the dock, and the rule may wait for it.
+        """
         await self._holds.sync()
         if not await self._book.sync():
             return decision.model_copy(update={"outcome": DecisionOutcome.REFUSED, "code": "history_unavailable"})
@@ -183,6 +208,12 @@ class AutomaticDocking:
                 raise Unavailable(f"{decision.robot} has no docking server")
             message = action.read_docking_request()
             goal = await action.submitter.submit(message, _key(identity), sender=None)
+        except DockOccupied as error:
+            if decision.scheduled_at is None:
+                raise
+            return decision.model_copy(
+                update={"outcome": DecisionOutcome.REFUSED, "code": error.code, "detail": error.detail}
+            )
         except GatewayError as error:
             outcome = DecisionOutcome.HELD if is_by_stop(error) else DecisionOutcome.REFUSED
             goal_id = error.extra.get("goal_id")

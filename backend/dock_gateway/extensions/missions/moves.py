@@ -21,6 +21,7 @@ class WaitsFor(StrEnum):
     BATTERY = "battery"
     GOAL = "goal"
     SERVER = "server"
+    DOCK = "dock"
     ANSWER = "answer"
     LOST_GOAL = "lost_goal"
     HISTORY = "history"

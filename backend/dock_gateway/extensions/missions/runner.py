@@ -5,7 +5,7 @@ import logging
 from collections.abc import Callable
 from datetime import datetime
 
-from dock_gateway.core.errors import GatewayError, NotFound, TooManyRequests, Unavailable, is_by_stop
+from dock_gateway.core.errors import DockOccupied, GatewayError, NotFound, TooManyRequests, Unavailable, is_by_stop
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.share import Share
@@ -252,10 +252,10 @@ class MissionRunner:
                 return None
             # No wait from here to the submission, which notices every stop that comes later.
             goal = await action.submitter.submit(message, _key(mission_id, mission), sender=None)
-        except (Unavailable, TooManyRequests) as error:
+        except (Unavailable, TooManyRequests, DockOccupied) as error:
             if error.code == "history_unavailable":
                 raise
-            return Wait(WaitsFor.SERVER)
+            return Wait(WaitsFor.DOCK if isinstance(error, DockOccupied) else WaitsFor.SERVER)
         except GatewayError as error:
             reason = Reason(code=error.code, detail=error.detail)
             known = mission.with_step(goal_id=error.extra.get("goal_id", step.goal_id))

@@ -17,6 +17,7 @@ export const WAITS: Record<Wait, string> = {
   goal_running: "A goal is running",
   goal_lost: "Contact was lost during a goal",
   at_work: "It is on a mission",
+  dock_occupied: "Another robot has its dock",
   quiet_period: "Someone has just canceled a goal of it",
   stopped: "Was stopped, and waits until someone lets it continue",
   not_idle: "Not idle long enough",

@@ -179,6 +179,7 @@ const WAITS: Record<NonNullable<Mission["waits_for"]>, string> = {
   goal: "The goal is running",
   answer: "Waiting for the answer of the service",
   server: "No action server for this step. It begins as soon as there is one.",
+  dock: "Another robot has the dock. The step begins when it is free.",
   lost_goal: "Lost contact with the action server. Waiting for it to come back.",
   history: "The history does not answer. Nothing begins without it.",
 };

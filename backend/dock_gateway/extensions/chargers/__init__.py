@@ -1,0 +1,1 @@
+"""Docks that several robots share: at most one robot has each of them."""

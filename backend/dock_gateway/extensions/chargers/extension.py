@@ -1,0 +1,71 @@
+"""Docks that several robots share: at most one robot has each, and the others wait."""
+
+from collections.abc import AsyncIterator
+from contextlib import AsyncExitStack, asynccontextmanager
+
+from dock_gateway.core.fanout import Fanout
+from dock_gateway.core.share import Share
+from dock_gateway.core.tasks import closed_by
+from dock_gateway.extension import Extension
+from dock_gateway.extensions.chargers.board import KINDS, DockBoard
+from dock_gateway.extensions.chargers.dock import DockEntry, DockRecord, WaitEntry
+from dock_gateway.extensions.chargers.error_codes import CODES
+from dock_gateway.extensions.chargers.metrics import dock_metrics
+from dock_gateway.extensions.chargers.routes import router
+from dock_gateway.extensions.chargers.schema import EVENTS
+from dock_gateway.extensions.chargers.settings import ChargerSettings
+from dock_gateway.extensions.chargers.shared_docks import MAX_DOCKS, SharedDocks
+from dock_gateway.extensions.chargers.watch import DockWatch
+from dock_gateway.fleet.alert_board import AlertBoard
+from dock_gateway.fleet.fleet import Fleet
+from dock_gateway.goals.docks import Docks
+from dock_gateway.goals.goals import Goals
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.http.parts import Parts
+from dock_gateway.robots.labels import Labels
+from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.settings import Settings
+from dock_gateway.storage import History
+from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
+
+
+@asynccontextmanager
+async def open_chargers(parts: Parts) -> AsyncIterator[DockBoard]:
+    """Let each docking goal ask for its dock, and follow who stands there."""
+    async with AsyncExitStack() as stack:
+        actions, history, fleet = parts[ActionRegistry], parts[History], parts[Fleet]
+        settings = parts[Settings].of(ChargerSettings)
+        docks = SharedDocks(
+            SharedBook(history.documents("shared_dock", DockEntry), "shared_dock", MAX_DOCKS),
+            SharedEntries(history.documents("dock_record", DockRecord)),
+            SharedEntries(history.documents("dock_wait", WaitEntry)),
+            robots=parts[RobotRegistry],
+            actions=actions,
+            docks=parts[Docks],
+            labels=parts[Labels],
+            by_charge=settings.chargers_queue == "lowest_charge",
+        )
+        await docks.sync()
+        watch = closed_by(
+            stack, DockWatch(docks, fleet, parts[Goals], parts[Share], failures=settings.chargers_failures)
+        )
+        board = DockBoard(docks, watch, fleet, parts[Fanout])
+        watch.on_look.append(board.publish)
+        stack.enter_context(actions.gates.adding(docks.admit))
+        for listeners in (actions.on_end, actions.on_lost):
+            stack.enter_context(listeners.adding(watch.wake))
+        stack.enter_context(parts[AlertBoard].sources.adding(board.alerts))
+        watch.start()
+        yield board
+
+
+extension = Extension(
+    "chargers",
+    open_chargers,
+    settings=ChargerSettings,
+    routes=lambda _: (router,),
+    events=EVENTS,
+    alerts=KINDS,
+    errors=CODES,
+    metrics=dock_metrics,
+)

@@ -1,0 +1,141 @@
+"""Two robots whose docking servers know the same dock, with real gateways: one has it, and the other one waits."""
+
+import signal
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.support.gateway import CHARGING, LOW, RunningGateway, running_gateway, running_program
+from tests.support.waiting import PATIENCE, wait_until
+
+pytestmark = pytest.mark.ros
+
+ROBOTS = ("/robot1", "/robot2")
+LAB = {"dock_id": "lab"}
+
+
+@pytest.fixture
+def servers(domain: int, tmp_path: Path) -> Iterator[None]:
+    """The docking and undocking servers of two robots, which know the docks `lab` and `spare`."""
+    path = tmp_path / "docks.yaml"
+    path.write_text("docks:\n  lab: {}\n  spare: {}\n")
+    with ExitStack() as stack:
+        for robot in ROBOTS:
+            arguments = ("-r", f"__ns:={robot}", "-p", f"dock_database:={path}")
+            stack.enter_context(running_program(domain, "docking_server", *arguments))
+        yield
+
+
+@contextmanager
+def two_robots(domain: int, folder: Path, *, batteries: bool = True) -> Iterator[RunningGateway]:
+    """A gateway with a database that lasts, which knows both robots and their docks."""
+    kept = {"database_url": f"sqlite:///{folder}/history.db", "spool_path": f"{folder}/spool"}
+    with running_gateway(domain, namespace="/robot1", **kept) as gateway:
+        for robot in ROBOTS:
+            at = {"robot": robot}
+            wait_until(lambda at=at: gateway.http.get("/docks", params=at).status_code == 200, robot)
+            if batteries:
+                battery(gateway, robot, LOW)
+        yield gateway
+
+
+def battery(gateway: RunningGateway, robot: str, state: dict[str, Any]) -> None:
+    body = {"state": state, "rate_hz": 5.0}
+    gateway.http.put("/battery/publisher", params={"robot": robot}, json=body).raise_for_status()
+
+
+def send(gateway: RunningGateway, verb: str, robot: str, body: dict[str, Any] | None = None) -> Any:
+    return gateway.http.post(f"/{verb}", params={"robot": robot}, json=body or {})
+
+
+def dock(gateway: RunningGateway, name: str = "lab") -> dict[str, Any]:
+    found: dict[str, Any] = gateway.http.get(f"/shared-docks/{name}").raise_for_status().json()
+    return found
+
+
+def until(gateway: RunningGateway, state: str, robot: str | None, name: str = "lab") -> dict[str, Any]:
+    """Wait until a dock has a state and a robot; return it."""
+    deadline = time.monotonic() + PATIENCE
+    while ((found := dock(gateway, name))["state"], found["robot"]) != (state, robot):
+        assert time.monotonic() < deadline, found
+        time.sleep(0.05)
+    return found
+
+
+def mission(gateway: RunningGateway, mission_id: str) -> dict[str, Any]:
+    found: dict[str, Any] = gateway.http.get(f"/missions/{mission_id}").raise_for_status().json()
+    return found
+
+
+@pytest.mark.usefixtures("servers")
+def test_one_robot_has_the_dock_and_a_mission_waits_until_it_has_left_also_over_a_kill(
+    domain: int, tmp_path: Path
+) -> None:
+    with two_robots(domain, tmp_path) as gateway:
+        assert gateway.http.put("/shared-docks/lab", json={"by": "Ada"}).status_code == 201
+        with gateway.stream("?include=shared_dock") as stream:
+            sent = send(gateway, "dock", "/robot1", LAB)
+            assert sent.status_code == 202, sent.text
+            event = stream.until(lambda event: event["type"] == "shared_dock")
+        assert (event["shared_dock"]["state"], event["shared_dock"]["robot"]) == ("reserved", "/robot1")
+        refused = send(gateway, "dock", "/robot2", LAB)
+        assert (refused.status_code, refused.json()["code"]) == (409, "dock_occupied")
+        assert (refused.json()["robot"], refused.json()["since_at"]) == ("/robot1", dock(gateway)["since_at"])
+        battery(gateway, "/robot1", CHARGING)
+        gateway.wait_for_goal(sent.json()["goal_id"], "succeeded")
+        until(gateway, "occupied", "/robot1")
+        steps = {"steps": [{"dock": LAB}]}
+        answer = gateway.http.post("/missions", params={"robot": "/robot2"}, json=steps).raise_for_status()
+        waiting: str = answer.json()["mission_id"]
+        wait_until(lambda: mission(gateway, waiting)["waits_for"] == "dock", "the mission at the dock")
+        assert [each["robot"] for each in dock(gateway)["waiting"]] == ["/robot2"]
+        gateway.process.send_signal(signal.SIGKILL)
+        gateway.process.wait()
+    with two_robots(domain, tmp_path, batteries=False) as gateway:
+        battery(gateway, "/robot1", CHARGING)
+        battery(gateway, "/robot2", LOW)
+        assert (dock(gateway)["state"], dock(gateway)["robot"]) in [("occupied", "/robot1"), ("no_contact", "/robot1")]
+        wait_until(lambda: mission(gateway, waiting)["waits_for"] == "dock", "the mission at the dock")
+        battery(gateway, "/robot1", LOW)
+        pushed_off = {"occupied_by": "nobody", "by": "Ada"}
+        gateway.http.post("/shared-docks/lab/report", json=pushed_off).raise_for_status()
+        until(gateway, "reserved", "/robot2")
+        again = send(gateway, "dock", "/robot1", LAB)
+        assert (again.status_code, again.json()["code"]) == (409, "dock_occupied")
+        battery(gateway, "/robot2", CHARGING)
+        wait_until(lambda: mission(gateway, waiting)["status"] == "succeeded", "the end of the mission")
+        until(gateway, "occupied", "/robot2")
+
+
+@pytest.mark.usefixtures("servers")
+def test_a_goal_without_a_name_gets_a_free_dock_and_keeps_its_key(domain: int, tmp_path: Path) -> None:
+    with two_robots(domain, tmp_path) as gateway:
+        for name in ("lab", "spare"):
+            gateway.http.put(f"/shared-docks/{name}", json={}).raise_for_status()
+        for robot, name in (("/robot1", "lab"), ("/robot2", "spare")):
+            key = {"Idempotency-Key": f"key of {robot}"}
+            sent = [gateway.http.post("/dock", params={"robot": robot}, headers=key) for _ in range(2)]
+            assert [answer.status_code for answer in sent] == [202, 202], sent[-1].text
+            assert sent[0].json()["goal_id"] == sent[1].json()["goal_id"]
+            assert gateway.goal(sent[0].json()["goal_id"])["goal"]["desired_battery_state"]["location"] == name
+            until(gateway, "reserved", robot, name)
+        goal_id = dock(gateway)["goal_ids"][0]
+        gateway.http.post(f"/goals/{goal_id}/cancel").raise_for_status()
+        until(gateway, "free", None)
+
+
+@pytest.mark.usefixtures("servers")
+def test_of_two_gateways_on_one_database_one_gets_the_dock_for_its_robot(domain: int, tmp_path: Path) -> None:
+    with two_robots(domain, tmp_path) as first, two_robots(domain, tmp_path, batteries=False) as second:
+        first.http.put("/shared-docks/lab", json={}).raise_for_status()
+        wait_until(lambda: dock(second), "the dock at the other gateway")
+        answers = [send(first, "dock", "/robot1", LAB), send(second, "dock", "/robot2", LAB)]
+        assert [answer.status_code for answer in answers] == [202, 409]
+        assert answers[1].json()["robot"] == "/robot1"
+        out = {"out_of_order": True, "note": "The cable is loose"}
+        second.http.post("/shared-docks/lab/report", json=out).raise_for_status()
+        assert dock(first)["state"] == "out_of_order"
