@@ -103,6 +103,8 @@ describe("a warning of the gateway", () => {
     docks: null,
     settings: null,
     gateway: null,
+    robot: null,
+    since_at: null,
   };
 
   it("is shown with the stop that it is about, until it is dismissed", async () => {

@@ -16,6 +16,7 @@ from dock_gateway.core.share import EVERYTHING
 from dock_gateway.extensions.missions import progress
 from dock_gateway.extensions.missions.book import MissionBook
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, StepEntry
+from dock_gateway.extensions.missions.notices import Notices
 from dock_gateway.extensions.missions.places.place import PlaceBody, PlaceEntry
 from dock_gateway.extensions.missions.places.places import Places
 from dock_gateway.extensions.missions.runner import MissionRunner
@@ -135,6 +136,7 @@ class Site:
     def open(self) -> MissionRunner:
         server = self.server
         book = MissionBook(Fanout(queue_limit=1), self.store, self.past, lambda *_: True)
+        book.notices = Notices(now)
         action = SimpleNamespace(
             on_graph=True,
             submitter=server,
