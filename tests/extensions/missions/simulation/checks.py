@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, StepStatus
-from tests.extensions.missions.simulation.stored import key_of, named, stored_missions, tag_of
+from tests.extensions.missions.simulation.stored import key_of, named, robot_of, stored_missions, tag_of
 from tests.support.virtual import START_NS
 
 if TYPE_CHECKING:
@@ -20,10 +20,10 @@ if TYPE_CHECKING:
     from tests.extensions.missions.simulation.server import CarriedOut, Server
     from tests.extensions.missions.simulation.world import World
 
-# Seconds within which a mission goes on once nothing is in its way.
-GOES_ON_AFTER = 300.0
-# Seconds that a mission may have been queued unnoticed by the gateway that begins another one.
-NOTICED_AFTER = 30.0
+# Seconds within which a mission goes on once nothing is in its way, at least, and in looks of the gateways.
+GOES_ON_AFTER, LOOKS = 300.0, 40
+# Looks during which a mission may have been queued unnoticed by the gateway that begins another one.
+NOTICED_AFTER = 6
 
 
 @dataclass(frozen=True)
@@ -55,6 +55,7 @@ class Checks:
 
     def __init__(self, world: "World") -> None:
         self._world = world
+        self._goes_on_after = max(GOES_ON_AFTER, LOOKS * world.troubles.look_every)
         self.found: list[str] = []
         self.added: dict[str, MissionEntry] = {}
         self.ended: dict[str, MissionEntry] = {}
@@ -88,8 +89,8 @@ class Checks:
         for index, step in enumerate(mission.steps):
             if (tag := tag_of(step)) is not None:
                 self._places[tag] = Place(mission_id, index, any(index in inside for inside in around))
-        if not any(each.robot == mission.robot for each in self.stored().values()):
-            self.allowed(mission.robot)
+        if not any(robot_of(each) == robot_of(mission) for each in self.stored().values()):
+            self.allowed(robot_of(mission))
 
     def allowed(self, robot: str) -> None:
         """Somebody lets a robot go on, or changes what it is to do."""
@@ -121,7 +122,7 @@ class Checks:
     def _is_scheduled_since(self, robot: str, at: float) -> bool:
         """Return whether a schedule has queued the present mission of a robot after a time: it begins by itself."""
         since = START_NS / 1e9 + at
-        own = (each for each in self.stored().values() if each.active and each.robot == robot)
+        own = (each for each in self.stored().values() if each.active and robot_of(each) == robot)
         return any(each.schedule is not None and each.created_at.timestamp() > since for each in own)
 
     def called(self, gateway: "Gateway", robot: str, message: Mapping[str, Any]) -> None:
@@ -171,7 +172,7 @@ class Checks:
             return
         if len(goals) > mission.current.attempt:
             self.fault(f"{tag} is carried out {len(goals)} times in {mission.current.attempt} tries")
-        allowed = self._allowed.get(mission.robot, -1.0)
+        allowed = self._allowed.get(robot_of(mission), -1.0)
         done = [each for each in goals if each.status is GoalStatus.SUCCEEDED and allowed < (each.ended_at or 0.0)]
         if done and not place.repeated:
             self.fault(f"{tag} has succeeded, and is carried out again")
@@ -204,7 +205,7 @@ class Checks:
             if mission_id not in self.ended:
                 self.ended[mission_id] = mission
                 self._check_end(mission_id, mission)
-        active = Counter(mission.robot for mission in missions.values() if mission.active)
+        active = Counter(robot_of(mission) for mission in missions.values() if mission.active)
         for robot, count in active.items():
             if count > 1:
                 self.fault(f"{robot} is on {count} missions")
@@ -214,8 +215,8 @@ class Checks:
             revision, since = self._changed.get(mission_id, (-1, 0.0))
             if revision != mission.revision:
                 self._changed[mission_id] = (mission.revision, self._now)
-            elif self._now - since > GOES_ON_AFTER and not mission.status.ended:
-                self._check_wait(mission_id, mission, idle=not active[mission.robot])
+            elif self._now - since > self._goes_on_after and not mission.status.ended:
+                self._check_wait(mission_id, mission, idle=not active[robot_of(mission)])
 
     def _count_scheduled(self, missions: Mapping[str, MissionEntry]) -> None:
         """Note which missions schedules have queued."""
@@ -227,7 +228,7 @@ class Checks:
     def _check_wait(self, mission_id: str, mission: MissionEntry, *, idle: bool) -> None:
         """Check that a mission that has not changed for long has a reason for that, and says it."""
         gateways = [gateway for gateway in self._world.gateways if gateway.ready and not gateway.dead]
-        if not gateways or any(self._now - gateway.ready_at < GOES_ON_AFTER for gateway in gateways):
+        if not gateways or any(self._now - gateway.ready_at < self._goes_on_after for gateway in gateways):
             return
         if mission.status is MissionStatus.HELD:
             if mission.held_for is None:
@@ -236,20 +237,20 @@ class Checks:
         said = [gateway.missions.book.waits.get(mission_id) for gateway in gateways]
         if not all(said):
             self.fault(f"{mission_id} does not say what it waits for")
-        if self._now - self._world.calm_since[mission.robot] < GOES_ON_AFTER:
+        if self._now - self._world.calm_since[robot_of(mission)] < self._goes_on_after:
             return
         if not self._may_wait(mission, idle=idle):
             self.fault(f"{mission_id} does not go on: {said}, {mission.status.value}, step {mission.current!r:.400}")
             self._changed[mission_id] = (mission.revision, self._now)
 
     def _may_wait(self, mission: MissionEntry, *, idle: bool) -> bool:
-        robot = self._world.robots[mission.robot]
+        robot = self._world.robots[robot_of(mission)]
         if mission.status is MissionStatus.QUEUED or robot.running():  # its own goal, or that of somebody else
             return not idle
         step, now = mission.current, self._world.now()
         if step.has_message:  # one that was killed may have sent it: as long as the answer could come
             waited = (now - (step.started_at or now)).total_seconds()
-            return waited < step.answer_within + GOES_ON_AFTER
+            return waited < step.answer_within + self._goes_on_after
         if step.status is StepStatus.WAITING or step.wait is None:
             return step.has_goal and step.goal_id is not None and step.timeout_s is None  # its goal is lost
         if step.wait.battery is not None and not step.is_late(now):
@@ -291,7 +292,7 @@ class Checks:
     def _check_turns(self) -> None:
         of_robots: defaultdict[str, list[tuple[str, MissionEntry]]] = defaultdict(list)
         for mission_id, mission in self.ended.items():
-            of_robots[mission.robot].append((mission_id, mission))
+            of_robots[robot_of(mission)].append((mission_id, mission))
         for missions in of_robots.values():
             for mission_id, first in missions:
                 if mission_id in self._paused:
@@ -302,5 +303,5 @@ class Checks:
                     waited = (other.started_at - first.created_at).total_seconds()
                     began_later = first.started_at is None or first.started_at > other.started_at
                     was_there = first.finished_at is None or first.finished_at > other.started_at
-                    if waited > NOTICED_AFTER and began_later and was_there:
+                    if waited > NOTICED_AFTER * self._world.troubles.look_every and began_later and was_there:
                         self.fault(f"{other_id} began before {mission_id}, whose turn it was")

@@ -19,7 +19,9 @@ from dock_gateway.extensions.missions import book, extension, runner
 from dock_gateway.extensions.missions.missions import Missions
 from dock_gateway.extensions.missions.schedules import scheduler
 from dock_gateway.fleet.alert_board import AlertBoard
+from dock_gateway.fleet.fleet import Fleet
 from dock_gateway.goals import registry, rejoining
+from dock_gateway.goals.approvals import Approvals
 from dock_gateway.goals.docks import Docks
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
@@ -32,6 +34,7 @@ from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latches import Latch
 from dock_gateway.robots.labels import Labels, RobotLabel
 from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.robots.robots import RobotLabels
 from dock_gateway.ros.graph import Scan
 from dock_gateway.settings import Settings
 from dock_gateway.stop.stopper import Stopper
@@ -40,7 +43,7 @@ from dock_gateway.storage import history as history_module
 from tests.dock_gateway.simulation.database import Disk, SimulatedDatabase, SimulatedSpool
 from tests.dock_gateway.simulation.gateway import FOREVER
 from tests.dock_gateway.simulation.process import Process
-from tests.extensions.missions.simulation.known_robots import KnownRobots
+from tests.extensions.missions.simulation.known_robots import KnownFleet, KnownRobots
 from tests.extensions.missions.simulation.port import Bridge, Port
 from tests.extensions.missions.simulation.server import Server
 from tests.extensions.missions.simulation.troubles import Troubles
@@ -214,7 +217,10 @@ class Gateway(Process):
             History: history,
             Interlock: interlock,
             Labels: labels,
+            RobotLabels: labels,
             RobotRegistry: robots,
+            Fleet: KnownFleet(self.world.robots, robots, actions, labels, interlock),
+            Approvals: SimpleNamespace(needs=lambda *_: False),
             RobotActions: robot_actions,
             ActionRegistry: actions,
             Goals: Goals(actions, robot_actions, history),

@@ -6,8 +6,11 @@ from typing import Any
 
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.filters import is_under
-from dock_gateway.core.listeners import Hooks
+from dock_gateway.core.listeners import Hooks, Listeners
 from dock_gateway.core.namespace import ALL_ROBOTS
+from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.latch.interlock import Interlock
+from dock_gateway.robots.robots import RobotLabels
 from tests.extensions.missions.simulation.robot import Robot
 from tests.support.stopping import FakeWheels
 
@@ -21,6 +24,7 @@ class KnownRobots:
         self._robots = {name: _robot(robot) for name, robot in robots.items()}
         self.default_namespace = next(iter(robots))
         self.at_work = Hooks[Callable[[str], bool]]()
+        self.on_low_battery = Listeners[[str]]("a battery is low")
 
     def namespaces(self) -> list[str]:
         return sorted(self._robots)
@@ -71,3 +75,45 @@ class Battery:
 
 def _robot(robot: Robot) -> Any:
     return SimpleNamespace(namespace=robot.name, wheels=FakeWheels(), battery=Battery(robot))
+
+
+class KnownFleet:
+    """The state of each robot as a gateway knows it, in place of `dock_gateway.fleet.fleet`.
+
+    Args:
+        robots: The robots.
+        known: The same, as the gateway knows them.
+        actions: Their actions.
+        labels: Their labels.
+        interlock: The latched stops.
+    """
+
+    def __init__(
+        self,
+        robots: dict[str, Robot],
+        known: KnownRobots,
+        actions: ActionRegistry,
+        labels: RobotLabels,
+        interlock: Interlock,
+    ) -> None:
+        self._robots = robots
+        self._known = known
+        self._actions = actions
+        self._labels = labels
+        self._interlock = interlock
+
+    def states(self) -> list[Any]:
+        """Return the state of each robot."""
+        return [self._state(robot) for robot in self._robots.values()]
+
+    def _state(self, robot: Robot) -> Any:
+        name = robot.name
+        return SimpleNamespace(
+            name=name,
+            battery=self._known.get(name).battery,
+            docked=robot.dock is not None,
+            stop={"latched": self._interlock.holds(name)},
+            goals=[goal for goal in self._actions.running() if is_under(goal.action_name, name)],
+            lost=[goal for goal in self._actions.lost() if is_under(goal.action_name, name)],
+            label=self._labels.get(name),
+        )

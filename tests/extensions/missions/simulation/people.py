@@ -13,6 +13,7 @@ from dock_gateway.extensions.missions.schedules.schedule import ScheduleBody
 from dock_gateway.extensions.missions.schedules.schedules import Schedules
 from dock_gateway.extensions.missions.schema import MissionBody
 from tests.extensions.missions.simulation.random_missions import RandomMissions
+from tests.extensions.missions.simulation.stored import robot_of
 
 if TYPE_CHECKING:
     from tests.extensions.missions.simulation.gateway import Gateway
@@ -103,15 +104,15 @@ class People:
         await self._random.choices(ways, weights)[0](mission_id, mission)
 
     async def go_on(self, mission_id: str, mission: MissionEntry) -> None:
-        self._checks.allowed(mission.robot)
+        self._checks.allowed(robot_of(mission))
         await self._ask(f"continue {mission_id}", lambda gateway: gateway.missions.resume(mission_id, UNLIMITED))
 
     async def _skip(self, mission_id: str, mission: MissionEntry) -> None:
-        self._checks.allowed(mission.robot)
+        self._checks.allowed(robot_of(mission))
         await self._ask(f"skip {mission_id}", lambda gateway: gateway.missions.skip(mission_id, UNLIMITED))
 
     async def cancel(self, mission_id: str, mission: MissionEntry) -> None:
-        self._checks.allowed(mission.robot)
+        self._checks.allowed(robot_of(mission))
         await self._ask(f"cancel {mission_id}", lambda gateway: gateway.missions.cancel(mission_id, UNLIMITED))
 
     async def _pause(self, mission_id: str, _: MissionEntry) -> None:

@@ -27,6 +27,11 @@ def key_of(disk: Disk, goal_id: str) -> str | None:
         return connection.scalars(query).first()
 
 
+def robot_of(mission: MissionEntry) -> str:
+    """Return the robot of a mission; empty: none has it yet."""
+    return mission.robot or ""
+
+
 def tag_of(step: Any) -> str | None:
     """Return the tag of a step; None if it does nothing at a robot."""
     request = step.call.request if step.call is not None else step.request

@@ -51,6 +51,7 @@ WEEK = Troubles(
     gateways=1,
     robots=10,
     docks=4,
+    schedules=2,
     lasts=7 * 24 * HOUR,
     missions_every=2 * HOUR,
     people_every=900.0,
@@ -59,6 +60,6 @@ WEEK = Troubles(
     kills_every=4 * HOUR,
     servers_every=HOUR,
     docks_every=2 * HOUR,
-    scan_every=30.0,
-    look_every=15.0,
+    scan_every=60.0,
+    look_every=30.0,
 )
