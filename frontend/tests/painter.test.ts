@@ -10,7 +10,7 @@ import { drawGrid } from "../src/scene/ground";
 import { Painter } from "../src/scene/painter";
 import { handlePlace } from "../src/scene/renderer";
 import { toScreen } from "../src/scene/view";
-import { compose, type View } from "../src/store/geometry";
+import { compose, type Point, type View } from "../src/store/geometry";
 import type { LayerView, SceneLayer } from "../src/store/layers";
 import { FADE_MS, SceneBuffer } from "../src/store/sceneBuffer";
 import { emptyScene } from "./events";
@@ -295,6 +295,8 @@ describe("the painter", () => {
   describe("with a layer", () => {
     let seen = emptyView();
     let change = () => {};
+    let around: Around;
+    let corners: Point[];
     const layer: SceneLayer = {
       subscribe: () => () => {},
       groundIn: () => null,
@@ -302,27 +304,42 @@ describe("the painter", () => {
         change = onChange;
         return {
           viewIn: () => seen,
-          cornersIn: () => [
-            { x: -5, y: -5 },
-            { x: 15, y: 5 },
-          ],
+          cornersIn: () => corners,
           close: () => {},
         };
       },
     };
+    const data = { layers: [layer], docks: [], frameIn: () => null, blocked: false, idle: false };
     function emptyView(): LayerView {
       return { ground: null, lines: [], dots: [] };
     }
 
     beforeEach(() => {
       seen = emptyView();
+      corners = [
+        { x: -5, y: -5 },
+        { x: 15, y: 5 },
+      ];
       painter.destroy();
-      const data = { layers: [layer], docks: [], frameIn: () => null, blocked: false };
-      const around = new Around(data, "light");
+      around = new Around(data, "light");
       painter = new Painter(canvas, camera, buffer, SCENE_COLORS.light, false, around);
       painter.resize(SIZE);
       push();
       frames(2000);
+    });
+
+    it.each([
+      { idle: true, beyond: 15, shows: true },
+      { idle: false, beyond: 15, shows: false },
+      { idle: true, beyond: 100, shows: false },
+    ])("shows a room by itself where no goal runs: idle $idle, $beyond m", ({ idle, beyond, shows }) => {
+      corners = [
+        { x: -5, y: -5 },
+        { x: beyond, y: 5 },
+      ];
+      around.know({ ...data, idle });
+      frames(2000);
+      expect(SIZE.width / painter.view.scale > 20).toBe(shows);
     });
 
     it("shows the whole ground", () => {

@@ -55,7 +55,10 @@ function Drawn({ poses, began, layer }: DrawnProps) {
   const scene = useMemo(() => new RecordedScene(poses, began), [poses, began]);
   const seen = layer?.scene ?? null;
   const around = useMemo(
-    () => (seen === null ? undefined : { layers: [seen], docks: [], frameIn: () => null, blocked: false }),
+    () =>
+      seen === null
+        ? undefined
+        : { layers: [seen], docks: [], frameIn: () => null, blocked: false, idle: false },
     [seen],
   );
   const [words, setWords] = useState("");

@@ -100,10 +100,11 @@ export function useSurroundings(): Surroundings {
   const { layers } = useServices();
   const docks = useDockList(useTopic("actionServer"))?.docks ?? NO_DOCKS;
   const goal = currentGoal(useTopic("courses"));
-  const blocked = goal !== null && !isTerminal(goal.status) && goal.stage === WAITING;
+  const idle = goal === null || isTerminal(goal.status);
+  const blocked = !idle && goal.stage === WAITING;
   return useMemo(
-    () => ({ layers, docks, frameIn: (scene, frame) => frameIn(scene, layers, frame), blocked }),
-    [layers, docks, blocked],
+    () => ({ layers, docks, frameIn: (scene, frame) => frameIn(scene, layers, frame), blocked, idle }),
+    [layers, docks, blocked, idle],
   );
 }
 

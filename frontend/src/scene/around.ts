@@ -31,7 +31,12 @@ export interface Surroundings {
   frameIn(scene: Scene, frame: string): Pose | null;
   /** The robot waits for what its laser sees. */
   blocked: boolean;
+  /** No goal runs on it: a room is shown as a whole then. */
+  idle: boolean;
 }
+
+/** A ground whose sides are no longer is a room (m). */
+const ROOM_M = 30;
 
 /** A database has the pose of the docked robot: the marker is before it. */
 const MARKER_OF_DOCKED = inverse(DOCKED_IN_MARKER);
@@ -83,6 +88,18 @@ export class Around {
   cornersIn(scene: Scene): Point[] {
     return this.#painters.flatMap((painter) => painter.cornersIn(scene));
   }
+
+  /** What of it the view shows by itself: all of it where that is wished, or where it is a room and no goal runs. */
+  shownCornersIn(scene: Scene): Point[] {
+    if (!this.whole && !this.data.idle) return [];
+    const corners = this.cornersIn(scene);
+    return this.whole || isRoom(corners) ? corners : [];
+  }
+}
+
+/** Whether a ground is a room, which can be seen as a whole. */
+function isRoom(corners: readonly Point[]): boolean {
+  return corners.every((one) => corners.every((other) => distance(one, other) <= Math.SQRT2 * ROOM_M));
 }
 
 /** The docks whose frames are related to that of a scene. */

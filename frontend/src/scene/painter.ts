@@ -148,7 +148,7 @@ export class Painter extends Picture {
   protected points(): Point[] {
     const { latest } = this.buffer;
     if (latest === null) return [];
-    const corners = this.around?.whole === true ? this.around.cornersIn(latest) : [];
+    const corners = this.around?.shownCornersIn(latest) ?? [];
     return [...pointsOf(latest.robot, shapesOf(latest), footprintOf(latest)), ...corners];
   }
 

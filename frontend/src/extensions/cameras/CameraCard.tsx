@@ -1,7 +1,7 @@
-import { Group, NativeSelect, Switch } from "@mantine/core";
+import { Button, Group, NativeSelect, Stack, Switch, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { Suspense, useState } from "react";
-import { useFleet } from "../../fleet/context";
+import { useFleet, useFleetPart } from "../../fleet/context";
 import { useLive } from "../../store/context";
 import { Kept, useKept } from "../../ui/kept";
 import { lazyPart } from "../../ui/lazyPart";
@@ -11,10 +11,13 @@ import { type Camera, listCameras } from "./requests";
 
 const REFETCH_MS = 5000;
 const LiveCamera = lazyPart(() => import("./LiveCamera"));
-/** Whether this browser shows cameras: their pictures load the robot's network, so each is opened on purpose. */
-const WATCHING = new Kept<boolean>(
+/**
+ * Whether this browser shows cameras; null where nobody has chosen. Their pictures load the robot's network, so those of
+ * a real robot are opened on purpose.
+ */
+const WATCHING = new Kept<boolean | null>(
   "dock-gateway.camera",
-  (text) => text === "on",
+  (text) => (text === null ? null : text === "on"),
   (on) => (on ? "on" : "off"),
 );
 
@@ -30,7 +33,8 @@ export function CameraCard({ robot }: { robot: string }) {
   // A camera that has gone may come back: the card stays.
   const [known, setKnown] = useState<Camera[]>([]);
   if (data !== undefined && data.length > 0 && data !== known) setKnown(data);
-  const watching = useKept(WATCHING);
+  const simulated = useFleetPart("robots", (robots) => robots.get(robot)?.simulated ?? false);
+  const watching = useKept(WATCHING) ?? simulated;
   const [chosen, choose] = useState<string | null>(null);
   const camera = known.find(({ name }) => name === chosen) ?? known[0];
   if (camera === undefined) return null;
@@ -61,10 +65,25 @@ export function CameraCard({ robot }: { robot: string }) {
           </Group>
         }
       >
-        {watching && (
+        {watching ? (
           <Suspense fallback={null}>
             <LiveCamera key={camera.name} robot={robot} camera={camera} />
           </Suspense>
+        ) : (
+          <Stack className={classes.off} align="center" justify="center" gap="xs">
+            <Text size="sm" c="dimmed" ta="center">
+              The camera is off: nothing is read from the robot.
+            </Text>
+            <Button
+              variant="default"
+              size="xs"
+              onClick={() => {
+                WATCHING.value = true;
+              }}
+            >
+              Show the picture
+            </Button>
+          </Stack>
         )}
       </Section>
     </div>

@@ -67,6 +67,18 @@ describe("the view from above", () => {
     await waitFor(() => expect(words()).toMatch(/x −1.10 m/));
   });
 
+  it("says where the machine is too slow for the simulation", async () => {
+    const { store } = simulatedPage();
+    await screen.findByText(/Drag the robot/);
+    expect(screen.queryByText(/machine is too slow/)).toBeNull();
+    act(() => store.onEvent(simulatorEvent({ too_slow: true, real_time_factor: 0.4 })));
+    expect(
+      await screen.findByText(/machine is too slow for the simulation.* 0.40 of real time/),
+    ).toBeDefined();
+    act(() => store.onEvent(simulatorEvent()));
+    await waitFor(() => expect(screen.queryByText(/machine is too slow/)).toBeNull());
+  });
+
   it("is of a real robot: no simulator is asked for, and nothing can be placed", async () => {
     const { store } = renderPage(fakeGateway());
     act(() => store.onEvent(sceneEvent({ frame: "odom", dock: null })));

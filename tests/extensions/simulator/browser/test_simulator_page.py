@@ -21,6 +21,8 @@ IMPATIENT = ("-p", "controller:=dock_pose", "-p", "max_retries:=1", "-p", "wait_
 STEADY = ("-p", PATIENT, "-p", UNMEASURED)
 # A goal looks for a marker that is hidden for as long as a test needs.
 SEARCHING = ("-p", "initial_perception_timeout:=3600.0")
+# How far before a robot its knob is drawn, by which it is turned.
+KNOB_PX = 25
 MINUS = "\N{MINUS SIGN}"
 WORDS = re.compile(rf"x ({MINUS}?[\d.]+) m, y ({MINUS}?[\d.]+) m, heading ({MINUS}?\d+)°")
 FIND_ROBOT = """(canvas) => {
@@ -85,8 +87,27 @@ def open_tab(page: Page, name: str) -> None:
     expect(page.get_by_role("tabpanel", name=name)).to_be_visible()
 
 
+def robot_in_the_room(page: Page) -> dict[str, float]:
+    """Where the robot is drawn once the whole room is shown, which has the dock at its right; in CSS pixels.
+
+    It looks to the right, and so does the knob before it.
+    """
+    scene = page.get_by_test_id("scene")
+    last: dict[str, float] = {}
+
+    def find() -> dict[str, float] | None:
+        box, drawn = scene.bounding_box(), scene.evaluate(FIND_ROBOT)
+        stands = drawn == last
+        last.update(drawn)
+        return drawn if box and stands and drawn["x"] > box["x"] + 0.6 * box["width"] else None
+
+    found = wait_until(find, "the robot in its room")
+    assert found
+    return {"x": found["x"] - KNOB_PX / 2, "y": found["y"]}
+
+
 def off_the_middle(page: Page) -> float:
-    """How far from the middle of the map the robot is drawn, in CSS pixels."""
+    """How far from the middle of the map the robot is drawn, with the knob before it, in CSS pixels."""
     scene = page.get_by_test_id("scene")
     robot, box = scene.evaluate(FIND_ROBOT), scene.bounding_box()
     assert box is not None
@@ -164,12 +185,12 @@ def test_the_robot_is_followed(page: Page, gateway: RunningGateway) -> None:
     expect(follow).to_have_attribute("aria-pressed", "true")
     place = {"x": -2.0, "y": -0.5, "theta": 0.3}
     gateway.http.post("/simulator/place", json=place).raise_for_status()
-    wait_until(lambda: off_the_middle(page) < 3, "the robot in the middle")
+    wait_until(lambda: off_the_middle(page) < KNOB_PX, "the robot in the middle")
     page.reload()
     expect(follow).to_have_attribute("aria-pressed", "true")
     # The plots of the battery have a button of the same name.
     page.get_by_role("region", name="Map").get_by_role("button", name="Closer", exact=True).click()
-    wait_until(lambda: off_the_middle(page) < 3, "the robot in the middle after a reload")
+    wait_until(lambda: off_the_middle(page) < KNOB_PX, "the robot in the middle after a reload")
     assert find_violations(page) == []
     page.get_by_test_id("scene").focus()
     page.keyboard.press("Control+ArrowRight")
@@ -218,7 +239,7 @@ def test_stop_without_a_stream(page: Page, gateway: RunningGateway) -> None:
 
 def test_place_by_drag(page: Page) -> None:
     before = pose_in_words(page)
-    robot = page.get_by_test_id("scene").evaluate(FIND_ROBOT)
+    robot = robot_in_the_room(page)
     page.mouse.move(robot["x"], robot["y"])
     page.mouse.down()
     page.mouse.move(robot["x"] + 30, robot["y"] + 60, steps=4)
@@ -293,9 +314,13 @@ def test_the_camera_is_read_while_it_is_in_sight(page: Page, gateway: RunningGat
         return [each["node"] for each in topic["subscribers"]]
 
     card = page.get_by_role("region", name="Camera", exact=True)
-    expect(card.get_by_role("switch", name="Show")).not_to_be_checked()
-    assert readers() == []
-    card.get_by_role("switch", name="Show").check()
+    switch = card.get_by_role("switch", name="Show")
+    expect(switch).to_be_checked()  # its robot is simulated
+    switch.uncheck()
+    expect(card).to_contain_text("The camera is off")
+    wait_until(lambda: not readers(), "nobody looks at a camera that is off")
+    card.get_by_role("button", name="Show the picture").click()
+    expect(switch).to_be_checked()
     expect(card.get_by_text(re.compile(r"Hz · .* old · \d+ . \d+"))).to_be_visible()
     seen = card.get_by_role("img").evaluate(
         "(it) => new Set(it.getContext('2d').getImageData(0, 0, it.width, it.height).data).size"

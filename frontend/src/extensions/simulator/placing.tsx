@@ -1,11 +1,12 @@
+import { Text } from "@mantine/core";
 import { useEffect } from "react";
 import { useForbidden } from "../../api/session";
 import type { Places } from "../../extension/extension";
 import { useFreshness, useScene, useServices, useTopicPart } from "../../store/context";
 import { useSimulatorApi } from "./requests";
 
-/** Places a simulated robot. */
-export function SimulatedPlacing({ onPlacing }: Places["placing"]): null {
+/** Places a simulated robot, and says where its time passes more slowly than it should. */
+export function SimulatedPlacing({ onPlacing }: Places["placing"]) {
   const { place } = useSimulatorApi();
   useSimulatorAsked();
   const simulated = useTopicPart("simulator", (simulator) => simulator !== null);
@@ -15,7 +16,15 @@ export function SimulatedPlacing({ onPlacing }: Places["placing"]): null {
     onPlacing({ place, forbidden });
     return () => onPlacing(null);
   }, [simulated, place, forbidden, onPlacing]);
-  return null;
+  const speed = useTopicPart("simulator", (simulator) =>
+    simulator?.too_slow === true ? simulator.real_time_factor : null,
+  );
+  return speed === null ? null : (
+    <Text size="sm" role="status" mb="xs">
+      The machine is too slow for the simulation, whose time runs at {speed.toFixed(2)} of real time:
+      everything takes longer.
+    </Text>
+  );
 }
 
 /**
