@@ -1,6 +1,7 @@
 """Films the moving picture in the README: three robots dock, are stopped and released, and a goal is replayed."""
 
 import json
+import re
 import subprocess
 import sys
 import time
@@ -8,6 +9,7 @@ from pathlib import Path
 
 from playwright.sync_api import Locator, Page, expect
 from scripts.screenshots.camera import Camera
+from scripts.screenshots.scenes import robots_of
 from tests.browser.conftest import PATIENCE_MS
 from tests.support.gateway import RunningGateway
 from tests.support.waiting import wait_until
@@ -19,6 +21,7 @@ PERIOD_S, SPEED = 0.3, 2.0
 LOOK_S, READ_S = 0.8, 1.4
 # What makes the picture of the frames: Pillow, in an environment of the documentation.
 PYTHON = Path(".site/environment/bin/python")
+STOPPED = re.compile("^All .*stopped")
 # A pointer, which a browser without a window does not draw, and a line that says what happens.
 OVERLAY = """([text, x, y]) => {
   const part = (id, shown, style) => {
@@ -29,7 +32,7 @@ OVERLAY = """([text, x, y]) => {
     return found;
   };
   part("film-text", text, `
-    left: 50%; bottom: 20px; transform: translateX(-50%); padding: 10px 22px; border-radius: 8px;
+    left: 20px; bottom: 20px; padding: 10px 22px; border-radius: 8px;
     background: #111d; color: #fff; font: 600 22px sans-serif; white-space: nowrap;
   `).textContent = text;
   part("film-pointer", x >= 0, `
@@ -102,14 +105,16 @@ def film_fleet(camera: Camera, gateway: RunningGateway, folder: Path, target: Pa
     film.say("They drive to their docks")
     film.run(4.0)
     film.press(page.get_by_role("button", name="Stop", exact=True).first)
-    expect(page.get_by_text("All robots stopped").first).to_be_visible(timeout=PATIENCE_MS)
+    expect(page.get_by_role("status").filter(has_text=STOPPED).first).to_be_visible(timeout=PATIENCE_MS)
+    while (dismiss := page.get_by_role("button", name="Dismiss")).count():
+        dismiss.first.click()
     film.say("Stop: all stand still, and no goal starts")
     film.run(2.0)
     film.press(page.get_by_role("button", name="Release").first)
     film.press(page.get_by_role("dialog").get_by_role("button", name="Release"))
     goals = [
         gateway.http.post("/dock", params={"robot": robot}).raise_for_status().json()["goal_id"]
-        for robot in sorted(robot["name"] for robot in gateway.http.get("/robots").json()["robots"])
+        for robot in sorted(robots_of(gateway))
     ]
     film.say("Released: on to the docks")
     for _ in range(30):
@@ -119,6 +124,8 @@ def film_fleet(camera: Camera, gateway: RunningGateway, folder: Path, target: Pa
     film.say("Docked, and charging")
     wait_until(lambda: gateway.http.get(f"/goals/{goals[0]}").json()["finished_at"], "the end of the goal")
     page = camera.open(f"/ui/goals/{goals[0]}")
+    # Below the header: the replay, and what it moves.
+    page.get_by_role("heading", name="Replay").evaluate("e => scrollBy(0, e.getBoundingClientRect().top - 140)")
     film.say("Each goal can be replayed")
     film.press(page.get_by_role("button", name="Play", exact=True))
     film.run(6.0)

@@ -76,5 +76,5 @@ def describe(message: dict[str, Any]) -> str:
     if percentage is not None:
         parts.append(f"{percentage:.0%}" if 0 <= percentage <= 1 else f"percentage {percentage:g}, not 0 to 1")
     if state["voltage"] is not None:
-        parts.append(f"{state['voltage']:g} V")
+        parts.append(f"{state['voltage']:.3g} V")
     return ", ".join(parts)

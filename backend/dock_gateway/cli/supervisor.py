@@ -154,6 +154,7 @@ async def supervise(
         longest_delay: Maximum seconds before a program that has died is started again.
         end_timeout: Seconds that the programs have to end by themselves.
     """
+    click.echo(f"Starting {', '.join(commands)} …")
     ended = asyncio.Event()
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # `nohup` sets it to be ignored
