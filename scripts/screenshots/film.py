@@ -23,6 +23,7 @@ LOOK_S, READ_S = 0.8, 1.4
 PYTHON = Path(".site/environment/bin/python")
 STOPPED = re.compile("^All .*stopped")
 # A pointer, which a browser without a window does not draw, and a line that says what happens.
+# Notices are left out: they would cover robots.
 OVERLAY = """([text, x, y]) => {
   const part = (id, shown, style) => {
     const found = document.getElementById(id) ?? document.body.appendChild(document.createElement("div"));
@@ -35,6 +36,7 @@ OVERLAY = """([text, x, y]) => {
     left: 20px; bottom: 20px; padding: 10px 22px; border-radius: 8px;
     background: #111d; color: #fff; font: 600 22px sans-serif; white-space: nowrap;
   `).textContent = text;
+  for (const notices of document.querySelectorAll(".mantine-Notifications-root")) notices.style.display = "none";
   part("film-pointer", x >= 0, `
     left: ${x - 16}px; top: ${y - 16}px; width: 26px; height: 26px; border-radius: 50%;
     background: #f5a52488; border: 3px solid #f5a524;
@@ -106,16 +108,11 @@ def film_fleet(camera: Camera, gateway: RunningGateway, folder: Path, target: Pa
     film.run(4.0)
     film.press(page.get_by_role("button", name="Stop", exact=True).first)
     expect(page.get_by_role("status").filter(has_text=STOPPED).first).to_be_visible(timeout=PATIENCE_MS)
-    while (dismiss := page.get_by_role("button", name="Dismiss")).count():
-        dismiss.first.click()
     film.say("Stop: all stand still, and no goal starts")
     film.run(2.0)
     film.press(page.get_by_role("button", name="Release").first)
     film.press(page.get_by_role("dialog").get_by_role("button", name="Release"))
-    goals = [
-        gateway.http.post("/dock", params={"robot": robot}).raise_for_status().json()["goal_id"]
-        for robot in sorted(robots_of(gateway))
-    ]
+    goals = [dock(gateway, robot) for robot in sorted(robots_of(gateway))]
     film.say("Released: on to the docks")
     for _ in range(30):
         film.run(1.0)
@@ -130,6 +127,13 @@ def film_fleet(camera: Camera, gateway: RunningGateway, folder: Path, target: Pa
     film.press(page.get_by_role("button", name="Play", exact=True))
     film.run(6.0)
     film.develop(target)
+
+
+def dock(gateway: RunningGateway, robot: str) -> str:
+    """Send a robot to its dock as soon as its last goal has ended; return the goal's id."""
+    wait_until(lambda: gateway.http.post("/dock", params={"robot": robot}).status_code == 202, f"a goal of {robot}")
+    goal: str = gateway.http.get("/goals", params={"robot": robot, "limit": 1}).json()["goals"][0]["goal_id"]
+    return goal
 
 
 def confirm(film: Film, page: Page) -> None:
