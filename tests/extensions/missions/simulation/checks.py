@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, StepStatus
+from dock_gateway.extensions.missions.moves import WaitsFor
 from tests.extensions.missions.simulation.stored import key_of, named, robot_of, stored_missions, tag_of
 from tests.support.virtual import START_NS
 
@@ -69,6 +70,8 @@ class Checks:
         self._stops: dict[str, tuple[float, float]] = {}  # when the last stop of a robot began and had ended
         self._parted: set[str] = set()  # goals that a gateway may have lost sight of
         self._changed: dict[str, tuple[int, float]] = {}  # the revision of each mission, and since when
+        self._idle_since: dict[str, float] = {}  # robots
+        self._docks_free_since = 0.0
         self._paused: set[str] = set()  # missions that somebody has paused before they had begun
 
     def fault(self, what: str) -> None:
@@ -142,6 +145,8 @@ class Checks:
     def accepted(self, robot: "Robot", server: "Server", goal: "CarriedOut") -> None:
         """A robot has accepted a goal."""
         self.counts["goals"] += 1
+        if server.kind == "dock" and self._world.shares_docks:
+            self._check_dock(robot, robot.dock_of(goal.message))
         if goal.tag is None:
             return
         self.counts["steps"] += 1
@@ -161,6 +166,17 @@ class Checks:
         self._check_step(place, tag, [*self._goals[tag], goal])
         self._goals[tag].append(goal)
         self._in_order(place, tag)
+
+    def _check_dock(self, robot: "Robot", dock: str) -> None:
+        """Check that no other robot stands at a dock that a robot drives to, or drives there."""
+        self.counts["dockings"] += 1
+        standing = self._world.docks.robots.get(dock, robot.name)
+        if standing != robot.name:
+            self.fault(f"{robot.name} drives to {dock}, where {standing} stands")
+        for other in self._world.robots.values():
+            for goal in other.servers["dock"].goals.values():
+                if other is not robot and goal.runs and other.dock_of(goal.message) == dock:
+                    self.fault(f"{robot.name} drives to {dock}, and so does {other.name}")
 
     def _check_step(self, place: Place, tag: str, goals: list["CarriedOut"]) -> None:
         """Compare the goals of a step, the last of which begins now, with its mission."""
@@ -209,6 +225,7 @@ class Checks:
         for robot, count in active.items():
             if count > 1:
                 self.fault(f"{robot} is on {count} missions")
+        self._look_at_robots(active)
         for mission_id, mission in missions.items():
             if mission_id in self.ended and not mission.status.ended:
                 self.fault(f"{mission_id} had ended, and is {mission.status.value} again")
@@ -216,7 +233,18 @@ class Checks:
             if revision != mission.revision:
                 self._changed[mission_id] = (mission.revision, self._now)
             elif self._now - since > self._goes_on_after and not mission.status.ended:
-                self._check_wait(mission_id, mission, idle=not active[robot_of(mission)])
+                self._check_wait(mission_id, mission, idle=self._is_idle(robot_of(mission)))
+
+    def _look_at_robots(self, active: Mapping[str, int]) -> None:
+        """Note since when robots are on no mission, and nobody stands at a dock."""
+        for robot in self._world.names:
+            if active.get(robot):
+                self._idle_since[robot] = self._now
+        if self._world.docks.robots:
+            self._docks_free_since = self._now
+
+    def _is_idle(self, robot: str) -> bool:
+        return self._now - self._idle_since.get(robot, 0.0) > self._goes_on_after
 
     def _count_scheduled(self, missions: Mapping[str, MissionEntry]) -> None:
         """Note which missions schedules have queued."""
@@ -238,6 +266,8 @@ class Checks:
         if not all(said):
             self.fault(f"{mission_id} does not say what it waits for")
         if self._now - self._world.calm_since[robot_of(mission)] < self._goes_on_after:
+            return
+        if WaitsFor.DOCK in said and self._now - self._docks_free_since < self._goes_on_after:
             return
         if not self._may_wait(mission, idle=idle):
             self.fault(f"{mission_id} does not go on: {said}, {mission.status.value}, step {mission.current!r:.400}")

@@ -2,7 +2,7 @@
 
 import asyncio
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import AsyncExitStack, ExitStack, contextmanager
 from dataclasses import replace
 from datetime import UTC, datetime, tzinfo
 from pathlib import Path
@@ -15,6 +15,8 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.listeners import Hooks
 from dock_gateway.core.share import EVERYTHING, Share
 from dock_gateway.core.tasks import PendingFacts
+from dock_gateway.extension import find_extension
+from dock_gateway.extension_list import OURS
 from dock_gateway.extensions.missions import book, extension, runner
 from dock_gateway.extensions.missions.missions import Missions
 from dock_gateway.extensions.missions.schedules import scheduler
@@ -43,13 +45,17 @@ from dock_gateway.storage import history as history_module
 from tests.dock_gateway.simulation.database import Disk, SimulatedDatabase, SimulatedSpool
 from tests.dock_gateway.simulation.gateway import FOREVER
 from tests.dock_gateway.simulation.process import Process
-from tests.extensions.missions.simulation.known_robots import KnownFleet, KnownRobots
+from tests.extensions.missions.simulation.known_robots import KnownDocks, KnownFleet, KnownRobots
 from tests.extensions.missions.simulation.port import Bridge, Port
 from tests.extensions.missions.simulation.server import Server
 from tests.extensions.missions.simulation.troubles import Troubles
 
 if TYPE_CHECKING:
     from tests.extensions.missions.simulation.world import World
+
+
+# The extension that lets a dock have one robot, if it is there.
+SHARES_DOCKS = "chargers"
 
 
 class FragileDatabase(SimulatedDatabase):
@@ -176,6 +182,7 @@ class Gateway(Process):
             history = History("", spool, max_waiting=1000, limits=replace(FOREVER, interval=1e6))  # type: ignore[arg-type]
         await history.open()
         parts, robots = self._make_parts(history)
+        await parts[Fleet].open(history)
         self.parts = parts
         self.actions, self.stopper = parts[ActionRegistry], parts[Stopper]
         asyncio.create_task(take_over_unfinished(self.actions, history))  # noqa: RUF006 - noted
@@ -184,7 +191,10 @@ class Gateway(Process):
         self.joined = True
         self.world.tell_latches_to(self)
         asyncio.create_task(self._scan())  # noqa: RUF006 - noted
-        async with extension.open_missions(parts) as self.missions:
+        async with AsyncExitStack() as stack:
+            if SHARES_DOCKS in OURS:
+                await stack.enter_async_context(find_extension(SHARES_DOCKS).open(parts))
+            self.missions = await stack.enter_async_context(extension.open_missions(parts))
             self.ready, self.ready_at = True, self.chance.loop.time()
             self.chance.say(self.name, "ready")
             await asyncio.Event().wait()
@@ -224,7 +234,7 @@ class Gateway(Process):
             RobotActions: robot_actions,
             ActionRegistry: actions,
             Goals: Goals(actions, robot_actions, history),
-            Docks: SimpleNamespace(require=_require_nothing),
+            Docks: KnownDocks(self.world.docks.names),
             ServiceCalls: Services(self),
             Publishing: SimpleNamespace(),
             Share: EVERYTHING,
@@ -239,10 +249,6 @@ class Gateway(Process):
             there = {name: [server.action_type] for name, server in self.servers.items() if server.there}
             await self.actions.update(Scan(actions=there))
             await asyncio.sleep(self.troubles.scan_every)
-
-
-async def _require_nothing(*_: Any) -> None:
-    pass
 
 
 class VirtualDatetime(datetime):

@@ -5,12 +5,14 @@ from types import SimpleNamespace
 from typing import Any
 
 from dock_gateway.core.errors import NotFound
-from dock_gateway.core.filters import is_under
+from dock_gateway.core.filters import GoalFilter, is_under
+from dock_gateway.core.goal import Goal
 from dock_gateway.core.listeners import Hooks, Listeners
 from dock_gateway.core.namespace import ALL_ROBOTS
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.robots import RobotLabels
+from dock_gateway.storage import History
 from tests.extensions.missions.simulation.robot import Robot
 from tests.support.stopping import FakeWheels
 
@@ -101,6 +103,21 @@ class KnownFleet:
         self._actions = actions
         self._labels = labels
         self._interlock = interlock
+        self._last: dict[str, Goal] = {}
+        self._docked: dict[str, bool | None] = {}  # as it was last heard
+
+    async def open(self, history: History) -> None:
+        """Read which docking or undocking goal of each robot was the last."""
+        self._actions.on_end.append(self._take)
+        for name in self._robots:
+            goals = await history.page(GoalFilter(namespace=name, verb=None), limit=50)
+            for goal in reversed(goals):
+                self._take(goal)
+
+    def _take(self, goal: Goal) -> None:
+        if goal.verb is not None and goal.status.final:
+            robot = self._known.owner(goal.action_name)
+            self._last[robot.namespace] = goal
 
     def states(self) -> list[Any]:
         """Return the state of each robot."""
@@ -108,12 +125,35 @@ class KnownFleet:
 
     def _state(self, robot: Robot) -> Any:
         name = robot.name
+        if robot.there:
+            self._docked[name] = robot.dock is not None
         return SimpleNamespace(
             name=name,
             battery=self._known.get(name).battery,
-            docked=robot.dock is not None,
+            docked=self._docked.get(name),
+            on_dock=bool(self._docked.get(name)),
+            last_goal=self._last.get(name),
+            dock=SimpleNamespace(available=robot.there, answering=robot.there),
             stop={"latched": self._interlock.holds(name)},
             goals=[goal for goal in self._actions.running() if is_under(goal.action_name, name)],
             lost=[goal for goal in self._actions.lost() if is_under(goal.action_name, name)],
             label=self._labels.get(name),
         )
+
+
+class KnownDocks:
+    """The docks that each robot's docking server lists, in place of `dock_gateway.goals.docks`.
+
+    Args:
+        names: Their names.
+    """
+
+    def __init__(self, names: list[str]) -> None:
+        self._names = names
+
+    async def require(self, *_: Any) -> None:
+        """Have every dock."""
+
+    async def document(self, *_: Any) -> dict[str, Any]:
+        """Return the docks."""
+        return {"docks": [{"dock_id": name} for name in self._names]}

@@ -89,6 +89,12 @@ class People:
 
         await self._ask("remove the schedules", remove)
 
+    async def clear_docks(self) -> None:
+        """Send the robots away that stand at docks and do nothing, if others may wait for those."""
+        for robot in self._world.robots.values():
+            if robot.dock is not None and not robot.running():
+                await self._send(robot.servers["undock"].name, {})
+
     async def meddle(self) -> None:
         """Do something with a mission or a goal."""
         missions = self._checks.stored()
@@ -130,8 +136,12 @@ class People:
 
     async def send_goal(self) -> None:
         name = self._random.choice(sorted(self._world.servers))
-        message = {"dock_id": self._random.choice(self._world.docks.names)} if "connect_to" in name else {}
+        message = {}
+        if "connect_to" in name:
+            message = {"desired_battery_state": {"location": self._random.choice(self._world.docks.names)}}
+        await self._send(name, message)
 
+    async def _send(self, name: str, message: dict[str, Any]) -> None:
         async def send(gateway: "Gateway") -> None:
             action = gateway.actions.get(name)
             if action is not None:

@@ -76,7 +76,8 @@ class RandomMissions:
         if kind == "work":
             return step | {"action": {"name": f"{robot}/work", "goal": {"tag": self._tag()}}}
         if kind == "dock":
-            return step | {"dock": {"dock_id": draw.choice(self._docks), "tag": self._tag()}}
+            named = {"dock_id": draw.choice(self._docks)} if draw.random() < 0.6 else {}
+            return step | {"dock": named | {"tag": self._tag()}}
         if kind == "undock":
             return step | {"undock": {"tag": self._tag()}}
         if kind == "call":

@@ -135,7 +135,7 @@ class Robot:
 
     def on_accept(self, server: Server, goal: CarriedOut) -> None:
         """A server has accepted a goal."""
-        if server.kind != "dock" and self.dock is not None:
+        if self.dock is not None and (server.kind != "dock" or self.dock_of(goal.message) != self.dock):
             del self.docks.robots[self.dock]
         self.drive()
         self._accepted(self, server, goal)
@@ -155,8 +155,6 @@ class Robot:
             dock = self.dock_of(goal.message)
             if dock in self.docks.blocked or self.docks.robots.get(dock, self.name) != self.name:
                 return GoalStatus.ABORTED
-            if self.dock is not None:
-                del self.docks.robots[self.dock]
             self.docks.robots[dock] = self.name
         return GoalStatus.SUCCEEDED
 

@@ -1,5 +1,7 @@
 """The missions in the database of a run, and the tags of their steps."""
 
+import json
+from datetime import datetime
 from typing import Any
 
 import sqlalchemy as sa
@@ -18,6 +20,14 @@ def stored_missions(disk: Disk, kind: str) -> dict[str, MissionEntry]:
     with disk.engine.begin() as connection:
         rows = connection.execute(query).all()
     return {key: MISSION.validate_json(document, extra="ignore") for key, document in rows}
+
+
+def share_docks(disk: Disk, names: list[str], at: datetime) -> None:
+    """Enter docks as shared ones, as an extension stores them that lets a dock have one robot."""
+    dock = {"changed_by": None, "changed_at": at.isoformat()}
+    rows = [{"kind": "shared_dock", "key": name, "document": json.dumps(dock).encode()} for name in names]
+    with disk.engine.begin() as connection:
+        connection.execute(sa.insert(documents), rows)
 
 
 def key_of(disk: Disk, goal_id: str) -> str | None:

@@ -7,16 +7,18 @@ from datetime import UTC, datetime
 from functools import partial
 from typing import Any
 
+from dock_gateway.extension_list import OURS
 from dock_gateway.extensions.missions.mission import MissionStatus
 from dock_gateway.extensions.missions.moves import WaitsFor
 from tests.dock_gateway.simulation.chance import Chance
 from tests.dock_gateway.simulation.database import Disk
 from tests.dock_gateway.simulation.process import noted
 from tests.extensions.missions.simulation.checks import Checks
-from tests.extensions.missions.simulation.gateway import Gateway, StoredLatches
+from tests.extensions.missions.simulation.gateway import SHARES_DOCKS, Gateway, StoredLatches
 from tests.extensions.missions.simulation.people import People
 from tests.extensions.missions.simulation.robot import Docks, Robot
 from tests.extensions.missions.simulation.server import Server
+from tests.extensions.missions.simulation.stored import share_docks
 from tests.extensions.missions.simulation.troubles import HOUR, Troubles
 
 # Seconds for which missions may take to end once nothing goes wrong any more.
@@ -34,6 +36,7 @@ class World:
     Attributes:
         gateways: Those that run.
         people: What people do.
+        shares_docks: Whether a dock has one robot at most.
         calm_since: Since when nothing has been in the way of each robot.
     """
 
@@ -53,6 +56,7 @@ class World:
         self.people = People(self)
         self._files: defaultdict[str, StoredLatches] = defaultdict(StoredLatches)
         self._spools: defaultdict[str, dict[int, list[bytes]]] = defaultdict(dict)
+        self.shares_docks = SHARES_DOCKS in OURS
         self._troubled = True
 
     def now(self) -> datetime:
@@ -65,6 +69,8 @@ class World:
         """Let everything happen, then wait until all missions have ended, and check them."""
         self.chance.loop.set_task_factory(noted)
         self.disk.empty()
+        if self.shares_docks:
+            share_docks(self.disk, self.docks.names, self.now())
         for name in "ABC"[: self.troubles.gateways]:
             self._start(name)
         await asyncio.sleep(2.0)
@@ -98,11 +104,13 @@ class World:
                 self.calm_since[robot.name] = self.chance.loop.time()
         self.checks.look()
 
-    async def _noting(self, work: Coroutine[Any, Any, None]) -> None:
-        """Note an error of the simulation itself."""
+    async def _noting(self, work: Coroutine[Any, Any, None], gateway: Gateway | None = None) -> None:
+        """Note an error of the simulation itself, or of a gateway that was not killed."""
         try:
             await work
         except Exception as error:  # noqa: BLE001 - whatever it is, the run shows nothing then
+            if gateway is not None and gateway.dead:
+                return
             self.checks.fault(f"the simulation failed: {error!r}")
 
     async def _often(self, every: float, do: Callable[[], Awaitable[None]]) -> None:
@@ -127,6 +135,7 @@ class World:
                 continue
             await self.people.release(None)
             await self.people.remove_schedules()
+            await self.people.clear_docks()
             missions = self.checks.stored()
             if not missions and self.checks.added.keys() == self.checks.ended.keys():
                 return
@@ -146,7 +155,7 @@ class World:
     def _start(self, name: str) -> None:
         gateway = Gateway(self, name, self._files[name], self._spools[name])
         self.gateways = [other for other in self.gateways if not other.dead] + [gateway]
-        gateway.spawn(gateway.run())
+        gateway.spawn(self._noting(gateway.run(), gateway))
 
     def on_killed(self, gateway: Gateway) -> None:
         """A gateway was killed; it starts again."""
