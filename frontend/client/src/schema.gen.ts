@@ -587,7 +587,9 @@ export interface paths {
         put?: never;
         /**
          * Create Mission
-         * @description Queue a mission for a robot. It begins when no other one of the robot is on its way.
+         * @description Queue a mission for a robot, or with `group` for the robot of that group that is free and has the most charge.
+         *
+         *     It begins when no other one of the robot is on its way, and none comes first.
          *
          *     With the same `Idempotency-Key`, a request that is sent twice makes one mission.
          */
@@ -610,8 +612,32 @@ export interface paths {
          * @description Return a mission.
          */
         get: operations["get_mission"];
-        put?: never;
+        /**
+         * Replace Mission
+         * @description Replace what a mission is to do that has not begun. It keeps its robot, and its place in the queue.
+         */
+        put: operations["replace_mission"];
         post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/missions/{mission_id}/move": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Move Mission
+         * @description Put a mission that has not begun right before or after another one of its queue, whose priority it gets.
+         */
+        post: operations["move_mission"];
         delete?: never;
         options?: never;
         head?: never;
@@ -670,6 +696,8 @@ export interface paths {
         /**
          * Continue Mission
          * @description Let a mission that is held go on: with its step from the beginning, unless that waited for this.
+         *
+         *     One that waits for a robot of a group may afterwards be begun by a robot that was stopped meanwhile.
          */
         post: operations["continue_mission"];
         delete?: never;
@@ -4379,12 +4407,27 @@ export interface components {
          *     if that is not known, or it has ended.
          */
         Mission: {
+            /**
+             * Etag
+             * @description The version, as in the header `ETag`: send it as `If-Match`
+             */
+            etag: string;
             /** Robot */
-            robot: string;
+            robot: string | null;
+            /**
+             * Group
+             * @default null
+             */
+            group: string | null;
             /** Name */
             name: string | null;
             /** Priority */
             priority: number;
+            /**
+             * Order
+             * @default 0
+             */
+            order: number;
             status: components["schemas"]["MissionStatus"];
             held_for: components["schemas"]["HoldReason"] | null;
             /**
@@ -6922,7 +6965,7 @@ export interface components {
          * @description What a mission waits for that has not ended.
          * @enum {string}
          */
-        WaitsFor: "turn" | "continue" | "stop_released" | "other_goal" | "retry" | "time" | "battery" | "goal" | "server" | "dock" | "answer" | "lost_goal" | "history";
+        WaitsFor: "turn" | "robot" | "group" | "continue" | "stop_released" | "other_goal" | "retry" | "time" | "battery" | "goal" | "server" | "dock" | "answer" | "lost_goal" | "history";
         /**
          * Waypoint
          * @description Where to drive, in metres in a frame, and how to stand there: `yaw`, in radians.
@@ -10501,6 +10544,7 @@ export interface operations {
                     arguments?: {
                         [key: string]: unknown;
                     } | null;
+                    group?: string | null;
                     by?: string | null;
                 };
             };
@@ -10509,6 +10553,8 @@ export interface operations {
             /** @description Successful Response */
             201: {
                 headers: {
+                    /** @description The version, for `If-Match` */
+                    ETag?: string;
                     /** @description Its path */
                     Location?: string;
                     [name: string]: unknown;
@@ -10646,6 +10692,8 @@ export interface operations {
             /** @description Successful Response */
             200: {
                 headers: {
+                    /** @description The version, for `If-Match` */
+                    ETag?: string;
                     [name: string]: unknown;
                 };
                 content: {
@@ -10682,6 +10730,371 @@ export interface operations {
             /** @description Unprocessable Entity */
             422: {
                 headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    /** @description Seconds after which it may succeed */
+                    "Retry-After"?: number;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    replace_mission: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description Entity tags: change it only if its version is one of these; `*`: if it exists */
+                "If-Match"?: string;
+            };
+            path: {
+                /** @description `mission_id` */
+                mission_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": {
+                    name?: string | null;
+                    priority?: number | null;
+                    steps?: {
+                        dock?: {
+                            [key: string]: unknown;
+                        } | null;
+                        undock?: {
+                            [key: string]: unknown;
+                        } | null;
+                        action?: {
+                            name: string;
+                            goal?: {
+                                [key: string]: unknown;
+                            };
+                        } | null;
+                        navigate?: {
+                            place?: string | null;
+                            pose?: {
+                                x: number;
+                                y: number;
+                                /** @default 0 */
+                                yaw?: number;
+                                /** @default map */
+                                frame?: string;
+                            } | null;
+                            poses?: {
+                                x: number;
+                                y: number;
+                                /** @default 0 */
+                                yaw?: number;
+                                /** @default map */
+                                frame?: string;
+                            }[] | null;
+                        } | null;
+                        call?: {
+                            service: string;
+                            request?: {
+                                [key: string]: unknown;
+                            };
+                            type?: string | null;
+                        } | null;
+                        publish?: {
+                            topic: string;
+                            message?: {
+                                [key: string]: unknown;
+                            };
+                            type?: string | null;
+                        } | null;
+                        notify?: {
+                            text: string;
+                            /** @default false */
+                            critical?: boolean;
+                        } | null;
+                        wait?: {
+                            seconds?: number | null;
+                            until?: string | null;
+                            battery?: number | null;
+                            /** @default false */
+                            person?: boolean;
+                        } | null;
+                        name?: string | null;
+                        timeout_s?: number | null;
+                        /** @default 1 */
+                        tries?: number;
+                        /** @default end */
+                        on_failure?: ("end" | "next") | {
+                            go_to: string;
+                        };
+                        repeat?: {
+                            /** @description Steps, as those of a mission */
+                            steps: {
+                                [key: string]: unknown;
+                            }[];
+                            times?: number | null;
+                        } | null;
+                        first_that_works?: {
+                            [key: string]: unknown;
+                        }[] | null;
+                    }[] | null;
+                    template?: string | null;
+                    arguments?: {
+                        [key: string]: unknown;
+                    } | null;
+                    group?: string | null;
+                    by?: string | null;
+                };
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    /** @description The version, for `If-Match` */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Mission"];
+                };
+            };
+            /** @description Bad Request */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Timeout */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Precondition Failed */
+            412: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Entity Too Large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unsupported Media Type */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too Many Requests */
+            429: {
+                headers: {
+                    /** @description Seconds after which it may succeed */
+                    "Retry-After"?: number;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    /** @description Seconds after which it may succeed */
+                    "Retry-After"?: number;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    move_mission: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description `mission_id` */
+                mission_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": {
+                    before?: string | null;
+                    after?: string | null;
+                };
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    /** @description The version, for `If-Match` */
+                    ETag?: string;
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Mission"];
+                };
+            };
+            /** @description Bad Request */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Timeout */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Entity Too Large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unsupported Media Type */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too Many Requests */
+            429: {
+                headers: {
+                    /** @description Seconds after which it may succeed */
+                    "Retry-After"?: number;
                     [name: string]: unknown;
                 };
                 content: {

@@ -34,6 +34,7 @@ export const LIMITS = {
     "steps[].repeat.steps": { maxItems: 200 },
     "steps[].repeat.times": { minimum: 1, maximum: 1000000 },
     "steps[].first_that_works": { maxItems: 200 },
+    "group": { maxLength: 40 },
     "by": { maxLength: 60 },
   },
   "POST /session": {

@@ -66,20 +66,21 @@ class Client(RouteClient):
             Fanout(queue_limit=1),
             history.documents("mission", MissionEntry),
             history.documents("ended_mission", MissionEntry),
-            lambda mission, grant: covers(mission, grant, actions),
+            lambda mission, grant: covers(mission, grant, actions, self.members),
         )
         self.places = Places(SharedBook(history.documents("place", PlaceEntry), "place", MAX_PLACES))
         self.templates = Templates(SharedBook(history.documents("template", TemplateEntry), "template", MAX_TEMPLATES))
         self.missions = Missions(
             self.book,
             cast("Any", SimpleNamespace(wake=lambda: None)),
-            robots=cast("Any", SimpleNamespace(get=self.get_robot)),
+            robots=cast("Any", SimpleNamespace(get=self.get_robot, default_namespace="/")),
             actions=cast("Any", SimpleNamespace(get=lambda name: self if name == "/fibonacci" else None)),
             robot_actions=actions,
             messages=Messages(cast("Any", Services()), cast("Any", Topics())),
             places=self.places,
             templates=self.templates,
             interlock=cast("Any", self),
+            members=self.members,
         )
         store = history.documents("schedule", ScheduleEntry)
         self.schedules = Schedules(
@@ -101,6 +102,11 @@ class Client(RouteClient):
         if name == "/nowhere":
             raise NotFound("there is no robot", code="robot_not_found")
         return SimpleNamespace(namespace=name or "/")
+
+    @staticmethod
+    def members(group: str) -> set[str]:
+        """Stand in for the labels of robots."""
+        return {"/robot1", "/robot2"} if group == "pickers" else set()
 
     def docking_name(self, verb: str, robot: str) -> str:
         """Stand in for the actions of robots."""
@@ -125,6 +131,20 @@ class Client(RouteClient):
     def get(self, mission_id: str, status: int = 200) -> Any:
         return self.send("GET", f"/missions/{mission_id}", status, template="/missions/{mission_id}")
 
+    def put(self, mission_id: str, body: object, status: int = 200, **headers: str) -> Any:
+        template = "/missions/{mission_id}"
+        return self.send("PUT", f"/missions/{mission_id}", status, template=template, json=body, headers=headers)
+
+    def move(self, mission_id: str, status: int = 200, **place: str) -> Any:
+        template = "/missions/{mission_id}/move"
+        return self.send("POST", f"/missions/{mission_id}/move", status, template=template, json=place)
+
+    def queue(self) -> list[str]:
+        """The missions that are queued, in the order in which they begin."""
+        found = self.send("GET", "/missions?status=queued")["missions"]
+        found.sort(key=lambda each: (-each["priority"], each["order"], each["created_at"]))
+        return [each["mission_id"] for each in found]
+
     def ids(self, query: str = "") -> list[str]:
         return [mission["mission_id"] for mission in self.send("GET", f"/missions{query}")["missions"]]
 
@@ -133,7 +153,7 @@ class Client(RouteClient):
 
         async def store() -> None:
             mission = await self.book.find(mission_id)
-            await self.book.change(mission_id, mission, mission.but(**fields))
+            assert await self.book.change(mission_id, mission, mission.but(**fields))
 
         assert self.http.portal is not None
         self.http.portal.call(store)

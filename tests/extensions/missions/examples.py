@@ -17,10 +17,10 @@ NAVIGATE = {"navigate": {"pose": {"x": 1, "y": 2}}}
 FIBONACCI = {"action": {"name": "/fibonacci", "goal": {"order": 5}}}
 
 
-def queued(*steps: dict[str, Any], robot: str = "/", **fields: Any) -> MissionEntry:
+def queued(*steps: dict[str, Any], robot: str | None = "/", **fields: Any) -> MissionEntry:
     """A mission that has not begun."""
-    mission = MissionBody.model_validate_json(json.dumps({"steps": [*steps], **fields})).entry(robot)
-    return mission.model_copy(update={"created_at": NOON})
+    body = MissionBody.model_validate_json(json.dumps({"steps": [*steps], **fields}))
+    return body.entry(robot).model_copy(update={"group": body.group, "created_at": NOON})
 
 
 def begun(*steps: dict[str, Any], **fields: Any) -> MissionEntry:

@@ -2,19 +2,25 @@
 
 import math
 from collections.abc import Iterator
-from typing import Any
+from contextlib import nullcontext
+from typing import Any, cast
 
 import pytest
 
+from dock_gateway.core.errors import NotAllowed
 from dock_gateway.core.grant import Grant, Role
+from dock_gateway.core.share import Share
 from dock_gateway.extensions.missions.actions import action_of, covers
 from dock_gateway.extensions.missions.book import MAX_MISSIONS
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
 from dock_gateway.extensions.missions.places.place import PlaceBody
-from dock_gateway.extensions.missions.step import KINDS
-from dock_gateway.extensions.missions.step_kinds import Waypoint
+from dock_gateway.extensions.missions.schema import MissionBody
+from dock_gateway.extensions.missions.step import KINDS, StepFields
+from dock_gateway.extensions.missions.step_kinds import NavigateStep, Waypoint
 from tests.extensions.missions.client import PLAIN, Client
-from tests.extensions.missions.examples import DOCK, queued
+from tests.extensions.missions.examples import DOCK, NOON, queued
+
+TO_SHELF = NavigateStep(pose=Waypoint(x=1, y=2))
 
 
 @pytest.fixture
@@ -86,6 +92,112 @@ def test_a_mission_is_queued_and_canceled(client: Client) -> None:
 def test_what_is_no_mission(client: Client, steps: list[Any], path: str) -> None:
     assert client.post({"steps": steps}, 422)["errors"][0]["path"] == path
     assert client.ids() == []
+
+
+def test_a_mission_that_has_not_begun_is_edited(client: Client) -> None:
+    answer = client.http.post("/missions", json=PLAIN | {"by": "Ada"})
+    mission = answer.json()
+    mission_id = mission["mission_id"]
+    assert answer.headers["etag"] == mission["etag"] == client.get(mission_id)["etag"]
+    body = {"name": "Short", "priority": 60, "steps": [{"dock": {}, "tries": 2}]}
+    edited = client.put(mission_id, body, **{"If-Match": mission["etag"]})
+    assert (edited["name"], edited["priority"], len(edited["steps"])) == ("Short", 60, 1)
+    assert [edited[name] for name in ("created_by", "created_at", "order")] == [
+        mission[name] for name in ("created_by", "created_at", "order")
+    ]
+    assert client.get(mission_id) == edited
+    refused = client.put(mission_id, PLAIN, 412, **{"If-Match": mission["etag"]})
+    assert refused["code"] == "changed_meanwhile"
+    assert client.put(mission_id, {"steps": [{"fly": {}}]}, 422)["errors"][0]["path"] == "steps.0.fly"
+    assert client.put(mission_id, {"steps": [{"call": {"service": "/other"}}]}, 403)["code"] == "not_allowed"
+    client.change(mission_id, "pause")
+    assert client.put(mission_id, body)["held_for"] == "paused"
+    client.set(mission_id, started_at=NOON)
+    assert client.put(mission_id, body, 409)["code"] == "mission_begun"
+    client.change(mission_id, "cancel")
+    client.set(mission_id, status=MissionStatus.CANCELED)
+    assert client.put(mission_id, body, 409)["code"] == "mission_ended"
+    assert client.put(32 * "0", body, 404)["code"] == "mission_not_found"
+
+
+def test_missions_are_moved(client: Client) -> None:
+    first, second, third = (client.post()["mission_id"] for _ in range(3))
+    urgent = client.post(PLAIN | {"priority": 90})["mission_id"]
+    assert client.queue() == [urgent, first, second, third]
+    client.move(third, before=first)
+    assert client.queue() == [urgent, third, first, second]
+    assert client.move(second, after=urgent)["priority"] == 90
+    assert client.queue() == [urgent, second, third, first]
+    other = client.post(query="?robot=/robot1")["mission_id"]
+    assert client.move(third, 409, before=other)["code"] == "other_queue"
+    assert client.move(third, 404, before=32 * "0")["code"] == "mission_not_found"
+    for wrong in ({}, {"before": first, "after": second}, {"before": "first"}):
+        assert client.move(third, 422, **wrong)["code"] == "invalid_field"
+    client.set(urgent, status=MissionStatus.RUNNING, started_at=NOON)
+    assert client.move(third, 409, before=urgent)["code"] == "mission_begun"
+    assert client.move(urgent, 409, before=third)["code"] == "mission_begun"
+    client.set(third, status=MissionStatus.FAILED)
+    assert client.move(third, 409, before=second)["code"] == "mission_ended"
+
+
+def test_a_mission_for_a_group(client: Client) -> None:
+    body = PLAIN | {"group": "pickers"}
+    mission = client.post(body)
+    assert (mission["robot"], mission["group"], mission["status"]) == (None, "pickers", "queued")
+    assert client.ids() == [mission["mission_id"]]
+    assert client.ids("?robot=/robot2") == []
+    for wrong, query, path in (
+        (body, "?robot=/robot1", "group"),
+        (body | {"group": ""}, "", "group"),
+        ({"group": "pickers", "steps": [{"action": {"name": "/fibonacci"}}]}, "", "steps.0.action.goal"),
+    ):
+        assert client.post(wrong, 422, query)["errors"][0]["path"] == path
+    assert client.put(mission["mission_id"], {"steps": [{"dock": {}}]})["group"] == "pickers"
+    assert client.put(mission["mission_id"], body)["group"] == "pickers"
+    assert client.put(mission["mission_id"], PLAIN | {"group": "others"}, 422)["errors"][0]["path"] == "group"
+    assert client.change(mission["mission_id"], "continue")["status"] == "queued"
+    assert client.change(mission["mission_id"], "pause")["held_for"] == "paused"
+    client.stopped = True  # no robot of it in particular
+    assert client.change(mission["mission_id"], "continue")["status"] == "queued"
+    assert client.change(mission["mission_id"], "cancel")["status"] == "canceled"
+    first = client.post(body, **{"Idempotency-Key": "night"})
+    client.set(first["mission_id"], robot="/robot1", status=MissionStatus.SUCCEEDED)
+    assert client.post(body, **{"Idempotency-Key": "night"})["robot"] == "/robot1"
+    assert client.post(PLAIN, 409, "?robot=/robot1", **{"Idempotency-Key": "night"})["code"] == "idempotency_key_reused"
+
+
+async def test_who_may_queue_and_see_a_mission_for_a_group() -> None:
+    client = Client()
+    body = MissionBody(group="pickers", steps=[StepFields(dock={}), StepFields(navigate=TO_SHELF)])
+    empty = MissionBody(group="nobody", steps=[StepFields(dock={})])
+    plain = MissionBody(steps=[StepFields(dock={})])
+    both = {"robots": ("/robot1", "/robot2")}
+    actions = ("/robot*/dock", "/robot*/navigate_to_pose")
+    for limits, allowed in (
+        ({}, [True, True, True]),
+        ({"share": Share(["/robot1"])}, [True, True, False]),  # another gateway may serve the others of a group
+        (both, [True, False, False]),
+        (both | {"actions": actions}, [True, False, False]),
+        (both | {"actions": ("/robot1/*",)}, [False, False, False]),
+        ({"robots": ("/robot1",)}, [False, False, False]),
+    ):
+        grant = Grant(Role.OPERATOR, **cast("Any", limits))
+        for each, may in zip((body, empty, plain), allowed, strict=True):
+            entry = each.entry(None if each.group else "/").model_copy(update={"group": each.group})
+            if each.group:
+                assert covers(entry, grant, client.actions, client.members) is may
+            refusal = nullcontext() if may else pytest.raises(NotAllowed)
+            with refusal:
+                await client.missions.add(f"{len(client.book.all()):032x}", each, None, grant)
+
+
+def test_missions_without_room_between_them_are_moved(client: Client) -> None:
+    ids = [client.post()["mission_id"] for _ in range(4)]
+    for at, mission_id in enumerate(ids):
+        client.set(mission_id, order=at // 2)
+    line = client.queue()
+    client.move(line[3], before=line[1])
+    assert client.queue() == [line[0], line[3], line[1], line[2]]
 
 
 def test_a_request_that_is_sent_twice(client: Client) -> None:
@@ -176,7 +288,8 @@ def test_a_mission_is_covered_with_all_that_it_uses() -> None:
         (foreign, [True, False, False, False, False, False]),
         (publish, [True, False, False, False, False, False]),
     ):
-        assert [covers(each, Grant(Role.OPERATOR, **limit), client.actions) for limit in limits] == covered
+        grants = [Grant(Role.OPERATOR, **limit) for limit in limits]
+        assert [covers(each, grant, client.actions, client.members) for grant in grants] == covered
 
 
 def test_what_the_settings_do_not_name_is_refused(client: Client) -> None:

@@ -2,7 +2,9 @@
 
 import asyncio
 from collections.abc import Callable
+from dataclasses import replace
 from datetime import datetime, timedelta
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -15,12 +17,14 @@ from dock_gateway.core.grant import UNLIMITED
 from dock_gateway.core.share import EVERYTHING
 from dock_gateway.extensions.missions import progress
 from dock_gateway.extensions.missions.book import MissionBook
+from dock_gateway.extensions.missions.last_stops import LastStop, LastStops
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, StepEntry
 from dock_gateway.extensions.missions.notices import Notices
 from dock_gateway.extensions.missions.places.place import PlaceBody, PlaceEntry
 from dock_gateway.extensions.missions.places.places import Places
 from dock_gateway.extensions.missions.runner import MissionRunner
 from dock_gateway.extensions.missions.step_kinds import Waypoint
+from dock_gateway.extensions.missions.turns import RobotFacts
 from dock_gateway.storage.shared_entries import SharedBook
 from tests.extensions.missions.examples import CALL, DOCK, FIBONACCI, NOON, PUBLISH, queued
 from tests.support.entries import EntriesInMemory, SharedStore
@@ -129,8 +133,11 @@ class Site:
     def __init__(self, gateways: int = 1) -> None:
         self.store, self.past = SharedStore[MissionEntry](), EntriesInMemory[MissionEntry]()
         self.places = Places(SharedBook(EntriesInMemory[PlaceEntry](), "place", 10))
+        self.stops = SharedStore[LastStop]()
+        self.last_stops: list[LastStops] = []
         self.server = Server()
         self.held = False
+        self.free: dict[str, RobotFacts] = {}
         self.runners = [self.open() for _ in range(gateways)]
 
     def open(self) -> MissionRunner:
@@ -144,6 +151,7 @@ class Site:
             read_goal=server.read_goal,
             read_docking_request=server.read_docking_request,
         )
+        self.last_stops.append(LastStops(self.stops))
         runner = MissionRunner(
             book,
             robots=cast("Any", Robots()),
@@ -158,6 +166,8 @@ class Site:
             places=self.places,
             interlock=cast("Any", SimpleNamespace(holds=lambda _: self.held, require_released=self.require_released)),
             share=EVERYTHING,
+            candidates=lambda: self.free,
+            last_stops=self.last_stops[-1],
             clock=now,
         )
         server.listeners.append(runner.on_goal)
@@ -324,6 +334,68 @@ async def test_messages_are_sent_once_by_one_of_two_gateways() -> None:
     assert (mission.status, site.server.messages) == (MissionStatus.SUCCEEDED, 2)
     alerts = [alert for runner in site.runners for alert in runner.book.notices.alerts(["/"])]
     assert {alert.detail for alert in alerts} == {"Done"}
+
+
+FREE = RobotFacts(groups=("pickers",), free=True, charge=0.5)
+
+
+@in_virtual_time
+async def test_missions_of_a_group_are_taken_at_once_and_each_once() -> None:
+    site = Site(gateways=2)
+    site.free = {"/": replace(FREE, charge=0.9), "/a": FREE, "/b": FREE}
+    began = asyncio.get_running_loop().time()
+    for number in range(6):
+        await site.add({"wait": {"seconds": 10}}, mission_id=f"{number}", robot=None, group="pickers")
+    site.runners[1].wake()
+    missions = [await site.ended(f"{number}") for number in range(6)]
+    assert {mission.robot for mission in missions} == {"/", "/a", "/b"}
+    assert missions[0].robot == "/"
+    starts = [mission.started_at or NOON for mission in missions]
+    assert starts == sorted(starts)
+    assert (starts[2] - NOON).total_seconds() - began < 0.1
+    assert {mission.revision for mission in missions} == {missions[0].revision}  # nothing was done twice
+    for robot in site.free:
+        own = sorted(
+            (mission.started_at, mission.finished_at) for mission in missions if mission.robot == robot and mission
+        )
+        assert all(end <= start for (_, end), (start, _) in pairwise(cast("Any", own)))
+
+
+@in_virtual_time
+async def test_a_mission_of_a_group_says_what_it_waits_for() -> None:
+    site = Site()
+    book = site.runners[0].book
+    await site.add({"wait": {"seconds": 1}}, robot=None, group="pickers")
+    await asyncio.sleep(2)
+    assert book.waits["a"] == "group"
+    site.free = {"/": replace(FREE, free=False)}
+    await asyncio.sleep(2)
+    assert book.waits["a"] == "robot"
+    assert not site.runners[0].has_work("/")
+    site.free = {"/": FREE}
+    assert (await site.ended()).robot == "/"
+
+
+@in_virtual_time
+async def test_a_released_stop_starts_no_robot_of_a_group_also_after_a_restart() -> None:
+    site = Site()
+    (runner,) = site.runners
+    await site.add({"wait": {"seconds": 1}}, robot=None, group="pickers")
+    await asyncio.sleep(2)
+    runner.on_stop_change("/")
+    site.free = {"/": replace(FREE, stopped_at=site.last_stops[0].at("/"))}
+    await asyncio.sleep(2)
+    await runner.close()
+    other = site.open()
+    await asyncio.sleep(2)
+    stopped_at = site.last_stops[-1].at("/")
+    assert stopped_at is not None
+    site.free = {"/": replace(FREE, stopped_at=stopped_at)}
+    await asyncio.sleep(10)
+    assert other.book.waits["a"] == "continue"
+    await other.book.amend("a", UNLIMITED, lambda mission: mission.but(allowed_at=now()))
+    other.wake()
+    assert (await site.ended()).robot == "/"
 
 
 @in_virtual_time

@@ -1,5 +1,6 @@
 """What missions use: the actions that they send goals to, services and topics."""
 
+from collections.abc import Callable, Collection, Iterable
 from typing import Any
 
 from dock_gateway.core.filters import prefix_of
@@ -19,9 +20,19 @@ def action_of(step: SingleStep, robot: str, robot_actions: RobotActions) -> str 
     return None if step.verb is None else robot_actions.docking_name(step.verb, robot)
 
 
-def actions_of(mission: MissionEntry, robot_actions: RobotActions) -> set[str]:
-    """Return the names of the actions that a mission sends goals to."""
-    names = (action_of(step, mission.robot, robot_actions) for step in mission.steps)
+def robots_of(mission: MissionEntry, members: Callable[[str], Collection[str]]) -> list[str]:
+    """Return the robot of a mission; those that are in its group now, if none of them has begun it.
+
+    Args:
+        mission: The mission.
+        members: Returns the robots of a group.
+    """
+    return sorted(members(mission.group or "")) if mission.robot is None else [mission.robot]
+
+
+def actions_of(mission: MissionEntry, robots: Iterable[str], robot_actions: RobotActions) -> set[str]:
+    """Return the names of the actions that a mission sends goals to, on any of these robots."""
+    names = (action_of(step, robot, robot_actions) for robot in robots for step in mission.steps)
     return set(filter(None, names))
 
 
@@ -32,11 +43,24 @@ def covers_message(step: SingleStep, grant: Grant) -> bool:
     return step.publish is None or grant.covers_publishing(step.publish.topic)
 
 
-def covers(mission: MissionEntry, grant: Grant, robot_actions: RobotActions) -> bool:
-    """Return whether a grant covers the robot of a mission, and all that it uses."""
+def covers(
+    mission: MissionEntry, grant: Grant, robot_actions: RobotActions, members: Callable[[str], Collection[str]]
+) -> bool:
+    """Return whether a grant covers the robot of a mission, or all of its group, and all that it uses.
+
+    Args:
+        mission: The mission.
+        grant: The grant. The robots of a group may be served by several gateways: whose they are does not count.
+        robot_actions: Which actions dock and undock each robot.
+        members: Returns the robots of a group. A group without robots is covered by a grant that covers all.
+    """
+    robots = robots_of(mission, members)
+    if mission.robot is None:
+        grant = grant.own
     return (
-        grant.covers_robot(mission.robot)
-        and all(map(grant.covers_action, actions_of(mission, robot_actions)))
+        (bool(robots) or not grant.limited)
+        and all(map(grant.covers_robot, robots))
+        and all(map(grant.covers_action, actions_of(mission, robots, robot_actions)))
         and all(covers_message(step, grant) for step in mission.steps)
     )
 

@@ -12,6 +12,7 @@ from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
 from dock_gateway.extensions.missions.notices import Notices
+from dock_gateway.extensions.missions.turns import last_order, next_order, require_turn
 from dock_gateway.storage import Entries
 from dock_gateway.storage.shared_entries import SharedEntries
 
@@ -83,26 +84,46 @@ class MissionBook(SharedEntries[MissionEntry]):
             Unavailable: The history does not answer (`history_unavailable`).
         """
         first = await self._past.get(mission_id)
+        last = last_order(self.all())
 
         def check(stored: Mapping[str, MissionEntry]) -> None:
-            nonlocal first
+            nonlocal first, last
             first = first or stored.get(mission_id)
             if first is not None:
                 raise Conflict("this Idempotency-Key was used for another mission", code="idempotency_key_reused")
             if len(stored) >= MAX_MISSIONS:
                 raise limit_reached(MAX_MISSIONS, "missions")
+            last = last_order(stored)
+            if mission.order <= last:
+                raise Conflict("another gateway has queued one meanwhile")
 
-        try:
-            await self.store(mission_id, mission, check)
-        except Conflict:
-            if first is None or not _is_same(first, mission):
-                raise
-            return first
-        self._published(mission_id, mission)
-        return mission
+        while True:
+            mission = mission.model_copy(update={"order": next_order(last, mission.created_at)})
+            try:
+                await self.store(mission_id, mission, check)
+            except Conflict:
+                if first is not None and _is_same(first, mission):
+                    return first
+                if first is not None or mission.order > last:
+                    raise
+            else:
+                self._published(mission_id, mission)
+                return mission
 
-    async def change(self, mission_id: str, before: MissionEntry, after: MissionEntry) -> bool:
+    async def change(
+        self,
+        mission_id: str,
+        before: MissionEntry,
+        after: MissionEntry,
+        allow: Callable[[Mapping[str, MissionEntry]], None] = lambda _: None,
+    ) -> bool:
         """Store a change, unless another one was first; return whether it was stored.
+
+        Args:
+            mission_id: The mission.
+            before: As it was read.
+            after: With the change.
+            allow: Is given all that are stored, and raises Conflict if the change must not be made after all.
 
         Raises:
             Unavailable: The history does not answer (`history_unavailable`); nothing has changed.
@@ -112,9 +133,9 @@ class MissionBook(SharedEntries[MissionEntry]):
             found = stored.get(mission_id)
             if found is None or found.revision != before.revision:
                 raise Conflict("it was changed meanwhile")
-            others = (each for key, each in stored.items() if key != mission_id)
-            if after.active and not before.active and any(each.active and each.robot == after.robot for each in others):
-                raise Conflict(f"{after.robot} has another mission")
+            if after.active and not before.active:
+                require_turn(stored, mission_id, after.its_robot)
+            allow(stored)
 
         try:
             await self.store(mission_id, after, check)
@@ -250,8 +271,9 @@ def _is_same(first: MissionEntry, again: MissionEntry) -> bool:
     """Return whether two requests asked for the same mission."""
 
     def asked(mission: MissionEntry) -> tuple[object, ...]:
+        whose = mission.robot if mission.group is None else None
         if mission.template is not None:  # which may have been changed meanwhile
-            return mission.robot, mission.template, mission.arguments
-        return mission.robot, mission.name, mission.priority, [step.asked for step in mission.steps]
+            return whose, mission.group, mission.template, mission.arguments
+        return whose, mission.group, mission.name, mission.priority, [step.asked for step in mission.steps]
 
     return asked(first) == asked(again)

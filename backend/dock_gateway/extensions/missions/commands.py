@@ -35,9 +35,12 @@ class _Filename(click.ParamType[str]):
 @click.argument("arguments", nargs=-1)
 @click.option("--template", metavar="ID", help="Queue a mission of this template, with ARGUMENTS such as shelf=a3.")
 @robot_option
+@click.option("--group", metavar="NAME", help="Let the free robot of this group with the most charge take it.")
 @click.option("--no-wait", is_flag=True, help="Do not follow it.")
 @asks
-def run(file: str | None, arguments: tuple[str, ...], template: str | None, robot: str | None, no_wait: bool) -> None:
+def run(
+    *, file: str | None, arguments: tuple[str, ...], template: str | None, no_wait: bool, **whose: str | None
+) -> None:
     """Queue the mission in a JSON file, or one of a template, and follow it to its end; `-` reads it from stdin.
 
     Arguments of a template are JSON, or text where they are none: `shelf=a3 seconds=5`.
@@ -49,8 +52,11 @@ def run(file: str | None, arguments: tuple[str, ...], template: str | None, robo
         raise click.UsageError("name one file with a mission, or a template with --template")
     else:
         body = _read(file)
+    if whose["group"] is not None and isinstance(body, dict):
+        body["group"] = whose["group"]
+    params = {} if whose["robot"] is None else {"robot": whose["robot"]}
     with gateway() as client:
-        found = client.request("POST", "/missions", body, params={} if robot is None else {"robot": robot})
+        found = client.request("POST", "/missions", body, params=params)
         if not no_wait:
             found = _follow(client, found)
     if wanted("as_json"):
@@ -127,20 +133,52 @@ def _kind_of(step: dict[str, Any]) -> str:
 @click.option("--all", "everything", is_flag=True, help="Also those that have ended, up to 50 of all.")
 @asks
 def list_missions(robot: str | None, everything: bool) -> None:
-    """List the missions that have not ended, newest first."""
+    """List the missions that have not ended: those on their way, then the others in the order in which they begin."""
     params: dict[str, Any] = {} if robot is None else {"robot": robot}
     if not everything:
-        params["status"] = ["queued", "running", "held", "canceling"]
+        params |= {"status": ["queued", "running", "held", "canceling"], "limit": 500}
     with gateway() as client:
         found = client.request("GET", "/missions", params=params)
     if wanted("as_json"):
         print_json(found)
         return
-    rows = [
-        (each["mission_id"], each["robot"], each["name"] or "", each["status"], f"{each['step']}/{len(each['steps'])}")
-        for each in found["missions"]
-    ]
+    rows = []
+    for each in sorted(found["missions"], key=_turn):
+        step = f"{each['step']}/{len(each['steps'])}"
+        rows.append((each["mission_id"], _robot_of(each), each["name"] or "", each["status"], step))
     print_table(("MISSION", "ROBOT", "NAME", "STATUS", "STEP"), rows, "no missions")
+
+
+def _robot_of(found: dict[str, Any]) -> str:
+    """Return the robot of a mission, or those that may take it."""
+    return found["robot"] or f"one of {found['group']}"
+
+
+def _turn(found: dict[str, Any]) -> tuple[Any, ...]:
+    """Sort missions: those that have begun by robot, those that have not in the order in which they do, ended ones."""
+    if found["status"] in ENDED:
+        return (2,)
+    if found["started_at"] is not None:
+        return 0, found["robot"]
+    return 1, -found["priority"], found["order"], found["created_at"], found["mission_id"]
+
+
+@mission.command()
+@click.argument("mission_id")
+@click.option("--before", metavar="MISSION_ID", help="The mission that comes right behind it.")
+@click.option("--after", metavar="MISSION_ID", help="The mission that comes right before it.")
+@asks
+def move(mission_id: str, before: str | None, after: str | None) -> None:
+    """Move a mission that has not begun next to another one of its queue, whose priority it gets."""
+    if (before is None) is (after is None):
+        raise click.UsageError("say --before or --after which mission")
+    place = {"after": after} if before is None else {"before": before}
+    with gateway() as client:
+        found = client.request("POST", f"/missions/{mission_id}/move", place)
+    if wanted("as_json"):
+        print_json(found)
+    else:
+        click.echo(printable(_line(found)))
 
 
 @mission.command()

@@ -5,6 +5,8 @@ from dock_gateway.core.error_codes import ErrorCode
 CODES = (
     ErrorCode("mission_not_found", 404, "There is no mission with this id."),
     ErrorCode("mission_ended", 409, "The mission has ended, so that it cannot be changed."),
+    ErrorCode("mission_begun", 409, "The mission has begun: only one that has not is edited, or moved in the queue."),
+    ErrorCode("other_queue", 409, "The mission to move another one next to is in the queue of other robots."),
     ErrorCode("mission_not_held", 409, "Only a mission that is held can be continued, or go on without its step."),
     ErrorCode("place_not_found", 404, "There is no place with this id; of a step: not any more."),
     ErrorCode("template_not_found", 404, "There is no template of missions with this id."),

@@ -9,7 +9,9 @@ from dock_gateway.core.tasks import closed_by
 from dock_gateway.extension import Extension
 from dock_gateway.extensions.missions.actions import covers
 from dock_gateway.extensions.missions.book import MissionBook
+from dock_gateway.extensions.missions.candidates import Candidates
 from dock_gateway.extensions.missions.error_codes import CODES
+from dock_gateway.extensions.missions.last_stops import LastStop, LastStops
 from dock_gateway.extensions.missions.messages import Messages
 from dock_gateway.extensions.missions.mission import MissionEntry
 from dock_gateway.extensions.missions.missions import Missions
@@ -28,6 +30,7 @@ from dock_gateway.extensions.missions.templates import routes as of_templates
 from dock_gateway.extensions.missions.templates.template import TemplateEntry
 from dock_gateway.extensions.missions.templates.templates import MAX_TEMPLATES, Templates
 from dock_gateway.fleet.alert_board import AlertBoard
+from dock_gateway.fleet.fleet import Fleet
 from dock_gateway.goals.docks import Docks
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
@@ -37,6 +40,8 @@ from dock_gateway.graph.service_calls import ServiceCalls
 from dock_gateway.http.parts import Parts
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.robots.robots import RobotLabels
+from dock_gateway.settings import Settings
 from dock_gateway.stop.stopper import Stopper
 from dock_gateway.storage import History
 from dock_gateway.storage.shared_entries import SharedBook
@@ -47,15 +52,17 @@ async def open_missions(parts: Parts) -> AsyncIterator[Missions]:
     """Carry out missions."""
     async with AsyncExitStack() as stack:
         robots, actions, robot_actions = parts[RobotRegistry], parts[ActionRegistry], parts[RobotActions]
-        history, interlock = parts[History], parts[Interlock]
+        history, interlock, labels = parts[History], parts[Interlock], parts[RobotLabels]
         messages = Messages(parts[ServiceCalls], parts[Publishing])
         places, templates = _stored(parts)
         book = MissionBook(
             parts[Fanout],
             history.documents("mission", MissionEntry),
             history.documents("ended_mission", MissionEntry),
-            lambda mission, grant: covers(mission, grant, robot_actions),
+            lambda mission, grant: covers(mission, grant, robot_actions, labels.in_group),
         )
+        last_stops = LastStops(history.documents("mission_stop", LastStop))
+        candidates = Candidates(parts[Fleet], labels, parts[Settings].low_battery, last_stops.at)
         runner = closed_by(
             stack,
             MissionRunner(
@@ -70,12 +77,15 @@ async def open_missions(parts: Parts) -> AsyncIterator[Missions]:
                 places=places,
                 interlock=interlock,
                 share=parts[Share],
+                candidates=candidates.read,
+                last_stops=last_stops,
             ),
         )
         stack.enter_context(actions.on_end.adding(runner.on_goal))
         stack.enter_context(actions.on_lost.adding(runner.on_goal))
         stack.enter_context(parts[Stopper].on_stop.adding(runner.on_stop))
-        stack.enter_context(interlock.on_release.adding(runner.wake))
+        stack.enter_context(parts[Stopper].on_stop.adding(runner.on_stop_change))
+        stack.enter_context(interlock.on_release.adding(runner.on_stop_change))
         stack.enter_context(robots.at_work.adding(runner.has_work))
         stack.enter_context(parts[AlertBoard].sources.adding(lambda: book.notices.alerts(robots.namespaces())))
         runner.start()
@@ -89,6 +99,7 @@ async def open_missions(parts: Parts) -> AsyncIterator[Missions]:
             places=places,
             templates=templates,
             interlock=interlock,
+            members=labels.in_group,
         )
         _open_schedules(parts, missions, stack)
         yield missions

@@ -178,15 +178,18 @@ class StepEntry(StepPlace):
 class MissionFields(Schema):
     """The fields of a mission that are stored and shown.
 
-    `priority`: of the missions of a robot that are queued, the one with the highest begins first, then the oldest.
-    `step` is the index of the present step; once all have ended, their number. `pausing`: it will be held
-    before its next step. `template` is the id of the template that it was made of, with which `arguments`, and
-    `schedule` that of the schedule that has queued it; null: none.
+    `priority`: of the missions of a robot that have not begun, the one with the highest begins first, then the one with
+    the lowest `order`, which is by age unless one was moved. `step` is the index of the present step; once all have
+    ended, their number. `pausing`: it will be held before its next step. `robot` is null until a robot of the `group`
+    has begun it. `template` is the id of the template that it was made of, with which `arguments`, and `schedule` that
+    of the schedule that has queued it; null: none.
     """
 
-    robot: RosName
+    robot: RosName | None
+    group: str | None = None
     name: str | None
     priority: int
+    order: int = 0
     status: MissionStatus
     held_for: HoldReason | None
     pausing: bool = False
@@ -208,11 +211,32 @@ class MissionEntry(MissionFields):
         steps: Its steps, at least one.
         notice: What it has last told people; None: nothing.
         revision: Counts its changes: one who changes it says what they have read.
+        edition: Counts the changes of what it is to do.
+        allowed_at: When somebody last let it begin, after it was queued.
     """
 
     steps: tuple[StepEntry, ...]
     notice: Notice | None = None
     revision: int = 0
+    edition: int = 0
+    allowed_at: datetime | None = None
+
+    @property
+    def its_robot(self) -> str:
+        """The robot that has begun it, or will."""
+        if self.robot is None:
+            raise AssertionError(f"no robot of {self.group} has begun it")
+        return self.robot
+
+    @property
+    def allowed_since(self) -> datetime:
+        """When somebody last let it begin."""
+        return self.allowed_at or self.created_at
+
+    @property
+    def etag(self) -> str:
+        """The version of what it is to do."""
+        return f'"{self.edition}"'
 
     @property
     def current(self) -> StepEntry:
@@ -225,13 +249,23 @@ class MissionEntry(MissionFields):
         return self.started_at is not None and not self.status.ended
 
     @property
-    def turn(self) -> tuple[int, datetime]:
-        """Sorts the missions of a robot by whose turn it is."""
-        return -self.priority, self.created_at
+    def in_queue(self) -> bool:
+        """Whether it has neither begun nor ended."""
+        return self.started_at is None and not self.status.ended
+
+    @property
+    def turn(self) -> tuple[int, int, datetime]:
+        """Sorts the missions that have not begun by whose turn it is."""
+        return -self.priority, self.order, self.created_at
 
     def but(self, **fields: Any) -> "MissionEntry":
         """Return the mission with other fields, as its next revision."""
         return self.model_copy(update={"revision": self.revision + 1, **fields})
+
+    def edited(self, other: "MissionEntry") -> "MissionEntry":
+        """Return a mission that has not begun with what a new one is to do, in its place in the queue."""
+        asked = {name: getattr(other, name) for name in ("name", "priority", "template", "arguments", "steps")}
+        return self.but(**asked, edition=self.edition + 1, allowed_at=other.created_at)
 
     def with_step(self, index: int | None = None, /, **fields: Any) -> "MissionEntry":
         """Return the mission with other fields of a step, by default of the present one, as its next revision."""
@@ -245,5 +279,6 @@ class MissionEntry(MissionFields):
             "mission_id": mission_id,
             **self.model_dump(include=set(MissionFields.model_fields)),
             "waits_for": waits_for,
+            "etag": self.etag,
             "steps": [step.model_dump(exclude=set(STORED_ONLY)) for step in self.steps],
         }

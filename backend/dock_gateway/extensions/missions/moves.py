@@ -13,6 +13,8 @@ class WaitsFor(StrEnum):
     """What a mission waits for that has not ended."""
 
     TURN = "turn"
+    ROBOT = "robot"
+    GROUP = "group"
     CONTINUE = "continue"
     STOP_RELEASED = "stop_released"
     OTHER_GOAL = "other_goal"

@@ -40,9 +40,10 @@ class Notices:
         """Take the notice of a mission into account, if it has one."""
         if mission.notice is None:
             return
-        known, new = self._told.get(mission.robot), _Told(mission.notice, mission_id, mission.name)
+        robot, new = mission.its_robot, _Told(mission.notice, mission_id, mission.name)
+        known = self._told.get(robot)
         if known is None or known.notice.told_at <= new.notice.told_at:
-            self._told[mission.robot] = new.over() if mission.status.ended else new
+            self._told[robot] = new.over() if mission.status.ended else new
 
     def update(self, missions: Mapping[str, MissionEntry]) -> None:
         """Take the notices of the missions that have not ended into account; a mission that is missing has ended."""

@@ -240,9 +240,9 @@ def has_try(mission: MissionEntry | None, step: int, attempt: int) -> bool:
     return mission.current.status is StepStatus.RUNNING and mission.current.attempt == attempt
 
 
-def start(mission: MissionEntry, now: datetime) -> MissionEntry:
-    """Return a queued mission that has its turn."""
-    return enter(mission.but(status=MissionStatus.RUNNING, started_at=now), now)
+def start(mission: MissionEntry, now: datetime, robot: str | None = None) -> MissionEntry:
+    """Return a queued mission that has its turn; `robot` is that which takes it, by default its own."""
+    return enter(mission.but(robot=robot or mission.robot, status=MissionStatus.RUNNING, started_at=now), now)
 
 
 def cancel(mission: MissionEntry, now: datetime) -> MissionEntry:
@@ -269,7 +269,7 @@ def resume(mission: MissionEntry, now: datetime) -> MissionEntry:
     if mission.status is not MissionStatus.HELD:
         return mission
     if mission.started_at is None:
-        return mission.but(status=MissionStatus.QUEUED, held_for=None)
+        return mission.but(status=MissionStatus.QUEUED, held_for=None, allowed_at=now)
     goes_on = mission.but(status=MissionStatus.RUNNING, held_for=None)
     if mission.held_for is HoldReason.PERSON and goes_on.current.waits_for_person:
         return succeed(goes_on, now)

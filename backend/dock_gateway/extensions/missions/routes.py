@@ -10,9 +10,9 @@ from dock_gateway.core.grant import Role
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.extensions.missions.mission import MissionStatus
 from dock_gateway.extensions.missions.missions import Missions
-from dock_gateway.extensions.missions.schema import Mission, MissionBody, MissionList
+from dock_gateway.extensions.missions.schema import MISSION_ID, Mission, MissionBody, MissionList, MoveBody
 from dock_gateway.goals.known_robots import KnownRobots
-from dock_gateway.http.bodies import SignedBody
+from dock_gateway.http.bodies import Body, SignedBody
 from dock_gateway.http.openapi import IDEMPOTENCY_KEY, UNSTABLE
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
@@ -26,12 +26,12 @@ from dock_gateway.http.requests import (
     end_of_page,
     json_response,
 )
-from dock_gateway.http.resource import LOCATION_HEADER
+from dock_gateway.http.resource import ETAG_HEADER, LOCATION_HEADER, ChangeCondition, Item, item_response
 from dock_gateway.http.route import ApiRoute
 
 router = APIRouter(route_class=ApiRoute, tags=["Missions"], prefix="/missions")
 
-MissionId = Annotated[str, Path(description="`mission_id`", json_schema_extra={"pattern": "^[0-9a-f]{32}$"})]
+MissionId = Annotated[str, Path(description="`mission_id`", json_schema_extra={"pattern": MISSION_ID})]
 OwnKey = Annotated[str | None, Depends(read_own_key)]
 StatusQuery = Annotated[list[MissionStatus] | None, Query(description="Only missions in these states")]
 
@@ -39,10 +39,10 @@ StatusQuery = Annotated[list[MissionStatus] | None, Query(description="Only miss
 @router.post(
     "",
     status_code=201,
-    responses={201: {"headers": LOCATION_HEADER}},
+    responses={201: {"headers": ETAG_HEADER | LOCATION_HEADER}},
     openapi_extra=UNSTABLE | {"parameters": [IDEMPOTENCY_KEY]},
 )
-@operation(Role.OPERATOR, Scope.ROBOT, errors=(404, 409))
+@operation(Role.OPERATOR, Scope.LISTED, errors=(404, 409, 421))
 async def create_mission(
     body: SignedBody[MissionBody],
     request: Request,
@@ -52,14 +52,17 @@ async def create_mission(
     key: OwnKey,
     robot: RobotQuery = None,
 ) -> Answer[Mission]:
-    """Queue a mission for a robot. It begins when no other one of the robot is on its way.
+    """Queue a mission for a robot, or with `group` for the robot of that group that is free and has the most charge.
+
+    It begins when no other one of the robot is on its way, and none comes first.
 
     With the same `Idempotency-Key`, a request that is sent twice makes one mission.
     """
     mission_id = uuid.uuid4().hex if key is None else uuid.uuid5(uuid.NAMESPACE_OID, f"mission {key}").hex
     document = await missions.add(mission_id, body, robot, grant)
     audited(request, robot=document["robot"], subject=mission_id)
-    return json_response(document, 201, {"Location": f"{router.prefix}/{mission_id}"})
+    headers = {"Location": f"{router.prefix}/{mission_id}", "ETag": document["etag"]}
+    return json_response(document, 201, headers)
 
 
 @router.get("", openapi_extra=UNSTABLE)
@@ -83,9 +86,32 @@ async def list_missions(
 
 @router.get("/{mission_id}", openapi_extra=UNSTABLE)
 @operation(Role.VIEWER, Scope.LISTED, errors=(404,))
-async def get_mission(mission_id: MissionId, missions: Part[Missions], grant: TheGrant) -> Answer[Mission]:
+async def get_mission(mission_id: MissionId, missions: Part[Missions], grant: TheGrant) -> Item[Mission]:
     """Return a mission."""
-    return json_response(await missions.book.document(mission_id, grant))
+    return item_response(await missions.book.document(mission_id, grant))
+
+
+@router.put("/{mission_id}", openapi_extra=UNSTABLE)
+@operation(Role.OPERATOR, Scope.LISTED, errors=(404, 409))
+async def replace_mission(
+    mission_id: MissionId,
+    body: SignedBody[MissionBody],
+    missions: Part[Missions],
+    grant: TheGrant,
+    condition: ChangeCondition,
+) -> Item[Mission]:
+    """Replace what a mission is to do that has not begun. It keeps its robot, and its place in the queue."""
+    return item_response(await missions.replace(mission_id, body, grant, condition))
+
+
+@router.post("/{mission_id}/move", openapi_extra=UNSTABLE)
+@operation(Role.OPERATOR, Scope.LISTED, errors=(404, 409))
+async def move_mission(
+    mission_id: MissionId, body: Body[MoveBody], missions: Part[Missions], grant: TheGrant
+) -> Item[Mission]:
+    """Put a mission that has not begun right before or after another one of its queue, whose priority it gets."""
+    other = body.before or body.after or ""
+    return item_response(await missions.move(mission_id, other, grant, before=body.before is not None))
 
 
 @router.post("/{mission_id}/cancel", openapi_extra=UNSTABLE)
@@ -105,7 +131,10 @@ async def pause_mission(mission_id: MissionId, missions: Part[Missions], grant: 
 @router.post("/{mission_id}/continue", openapi_extra=UNSTABLE)
 @operation(Role.OPERATOR, Scope.LISTED, errors=(404, 409))
 async def continue_mission(mission_id: MissionId, missions: Part[Missions], grant: TheGrant) -> Answer[Mission]:
-    """Let a mission that is held go on: with its step from the beginning, unless that waited for this."""
+    """Let a mission that is held go on: with its step from the beginning, unless that waited for this.
+
+    One that waits for a robot of a group may afterwards be begun by a robot that was stopped meanwhile.
+    """
     return json_response(await missions.resume(mission_id, grant))
 
 

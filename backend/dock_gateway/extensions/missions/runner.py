@@ -2,7 +2,7 @@
 
 import asyncio
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from datetime import datetime
 
 from dock_gateway.core.errors import DockOccupied, GatewayError, NotFound, TooManyRequests, Unavailable, is_by_stop
@@ -13,11 +13,13 @@ from dock_gateway.core.tasks import Tasks
 from dock_gateway.extensions.missions import progress
 from dock_gateway.extensions.missions.actions import action_of, read_goal
 from dock_gateway.extensions.missions.book import MissionBook
+from dock_gateway.extensions.missions.last_stops import LastStops
 from dock_gateway.extensions.missions.messages import Messages
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, Reason, StepStatus
 from dock_gateway.extensions.missions.moves import Cancel, Change, Facts, Send, Sent, Wait, WaitsFor
 from dock_gateway.extensions.missions.places.places import Places
 from dock_gateway.extensions.missions.progress import begins_message, next_move
+from dock_gateway.extensions.missions.turns import NO_ROBOTS, RobotFacts, find_turns
 from dock_gateway.goals.docks import Docks
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
@@ -48,6 +50,8 @@ class MissionRunner:
         places: The places that steps drive to.
         interlock: The latched stops.
         share: The robots that this gateway serves.
+        candidates: Returns the robots that may take missions of their groups.
+        last_stops: When robots were last stopped.
         clock: Returns the time.
     """
 
@@ -65,6 +69,8 @@ class MissionRunner:
         places: Places,
         interlock: Interlock,
         share: Share,
+        candidates: Callable[[], Mapping[str, RobotFacts]],
+        last_stops: LastStops,
         clock: Callable[[], datetime] = utc_now,
     ) -> None:
         self.book = book
@@ -78,6 +84,8 @@ class MissionRunner:
         self._places = places
         self._interlock = interlock
         self._share = share
+        self._candidates = candidates
+        self._last_stops = last_stops
         self._clock = clock
         self._stopped: set[str] = set()  # robots that were stopped since the last look
         self._given_up: set[str] = set()  # lost goals that are canceled should they return
@@ -106,6 +114,16 @@ class MissionRunner:
             self._stopped.add(robot)
             self.wake()
 
+    def on_stop_change(self, robot: str) -> None:
+        """Note that a robot is stopped or released, if missions wait for one of a group."""
+        if self._has_for_groups():
+            self._last_stops.note(robot, self._clock())
+        self.wake()
+
+    def _has_for_groups(self) -> bool:
+        """Return whether missions wait for a robot of a group."""
+        return any(mission.robot is None and mission.in_queue for mission in self.book.all().values())
+
     def has_work(self, robot: str) -> bool:
         """Return whether a robot is on a mission that is not held."""
         at_work = (MissionStatus.RUNNING, MissionStatus.CANCELING)
@@ -123,6 +141,8 @@ class MissionRunner:
             try:
                 if loop.time() - synced >= SYNC_INTERVAL and await self.book.sync():
                     synced = loop.time()
+                    if self._has_for_groups() or self._last_stops.unsaved:
+                        await self._last_stops.sync()
                 self._look()
             except Exception:
                 log.exception("while looking at missions")
@@ -134,26 +154,24 @@ class MissionRunner:
 
     def _look(self) -> None:
         """Let each robot go on with its mission, or begin the one whose turn it is."""
-        of_robots: dict[str, list[tuple[str, MissionEntry]]] = {}
-        for mission_id, mission in self.book.all().items():
-            if self._share.covers_robot(mission.robot) and not mission.status.ended:
-                of_robots.setdefault(mission.robot, []).append((mission_id, mission))
-        for robot, missions in of_robots.items():
-            queue = sorted(missions, key=lambda item: (not item[1].active, *item[1].turn, item[0]))
-            ready = [key for key, mission in queue if mission.active or mission.status is MissionStatus.QUEUED]
-            for mission_id, mission in queue:
-                if mission_id not in ready[:1]:
-                    reason = WaitsFor.TURN if mission.held_for is None else WaitsFor.CONTINUE
-                    self.book.set_wait(mission_id, reason)
-            if ready and robot not in self._busy:
+        missions = self.book.all()
+        turns = find_turns(missions, self._candidates() if self._has_for_groups() else NO_ROBOTS)
+        for mission_id, reason in turns.waits.items():
+            robot = missions[mission_id].robot
+            if robot is None or self._share.covers_robot(robot):
+                self.book.set_wait(mission_id, reason)
+        for robot, mission_id in turns.on.items():
+            if self._share.covers_robot(robot) and robot not in self._busy:
                 self._busy.add(robot)
-                self._tasks.spawn(self._follow(robot, ready[0]))
+                self._tasks.spawn(self._follow(robot, mission_id))
 
     async def _follow(self, robot: str, mission_id: str) -> None:
         """Take a mission as far as it goes now."""
         try:
             while (mission := self.book.get(mission_id)) is not None and not mission.status.ended:
-                wait = await self._take_step(mission_id, mission)
+                if mission.robot not in (None, robot):
+                    return  # another gateway has given it to another robot
+                wait = await self._take_step(robot, mission_id, mission)
                 if wait is not None:
                     self.book.set_wait(mission_id, wait.reason)
                     self._wake_at(wait.until)
@@ -169,14 +187,14 @@ class MissionRunner:
         if time is not None and (delay := (time - self._clock()).total_seconds()) < INTERVAL:
             asyncio.get_running_loop().call_later(max(delay, 0.0), self.wake)
 
-    async def _take_step(self, mission_id: str, mission: MissionEntry) -> Wait | None:
+    async def _take_step(self, robot: str, mission_id: str, mission: MissionEntry) -> Wait | None:
         """Make one move; return what the mission waits for, or None if it goes on.
 
         Raises:
             Unavailable: The history does not answer.
         """
         if mission.status is MissionStatus.QUEUED:
-            started = await self.book.change(mission_id, mission, progress.start(mission, self._clock()))
+            started = await self.book.change(mission_id, mission, progress.start(mission, self._clock(), robot))
             return None if started else Wait(WaitsFor.TURN)
         facts = await self._facts(mission_id, mission)
         move = next_move(mission, facts, self._clock())
@@ -189,7 +207,7 @@ class MissionRunner:
                 if facts.goal is not None:
                     self._given_up.discard(facts.goal.goal_id)
                 if after.status is not MissionStatus.RUNNING:
-                    self._stopped.discard(mission.robot)
+                    self._stopped.discard(robot)
                 return None
             case Send() if mission.current.is_message:
                 await self._send_message(mission_id, mission)
@@ -202,7 +220,7 @@ class MissionRunner:
                 return move
 
     async def _facts(self, mission_id: str, mission: MissionEntry) -> Facts:
-        step, robot = mission.current, mission.robot
+        step, robot = mission.current, mission.its_robot
         goal = await self._goal(mission_id, mission) if step.has_goal else None
         battery = None
         if robot in self._robots:
@@ -240,7 +258,7 @@ class MissionRunner:
             Unavailable: The history does not answer.
         """
         step, now = mission.current, self._clock()
-        name = action_of(step, mission.robot, self._robot_actions)
+        name = action_of(step, mission.its_robot, self._robot_actions)
         action = None if name is None else self._actions.get(name)
         if action is None or not action.on_graph:
             return Wait(WaitsFor.SERVER)
@@ -274,7 +292,7 @@ class MissionRunner:
         """Call the service of the present step, or publish its message, and note how that ends."""
         key = _key(mission_id, mission)
         try:
-            self._interlock.require_released(mission.robot, "missions")
+            self._interlock.require_released(mission.its_robot, "missions")
             await self._messages.send(mission.current)
         except GatewayError as error:
             reason = Reason(code=error.code, detail=error.detail)

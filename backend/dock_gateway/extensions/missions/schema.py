@@ -22,7 +22,8 @@ from dock_gateway.extensions.missions.step import StepFields
 from dock_gateway.extensions.missions.step_kinds import Waypoint, require_one
 from dock_gateway.extensions.missions.templates.parameters import MAX_PARAMETERS
 from dock_gateway.extensions.missions.templates.templates import Filled
-from dock_gateway.http.bodies import Name60, Slug, expected
+from dock_gateway.http.bodies import GroupName, Name60, Slug, expected
+from dock_gateway.http.resource import Versioned
 from dock_gateway.http.schema import Schema
 
 EXAMPLE: JsonValue = {
@@ -36,6 +37,9 @@ EXAMPLE: JsonValue = {
 }
 
 
+# The form of a `mission_id`.
+MISSION_ID = "^[0-9a-f]{32}$"
+MissionIdText = Annotated[str, Field(pattern=MISSION_ID)]
 TEMPLATE_EXAMPLE: JsonValue = {"template": "fetch", "arguments": {"shelf": "shelf-a3"}}
 
 
@@ -58,11 +62,11 @@ class MissionContent(Schema):
             raise expected("no arguments: they are for a template", path="arguments")
         return self
 
-    def entry(self, robot: str, filled: Filled | None = None, by: str | None = None) -> MissionEntry:
+    def entry(self, robot: str | None, filled: Filled | None = None, by: str | None = None) -> MissionEntry:
         """Return the mission, queued now.
 
         Args:
-            robot: Its robot.
+            robot: Its robot; None if one of a group takes it.
             filled: What it is made of by its template, if it has one.
             by: Who queues it.
 
@@ -92,12 +96,28 @@ class MissionContent(Schema):
 class MissionBody(MissionContent):
     """A mission: steps that the robot takes one after the other, or a template that has them.
 
-    Of those that wait for a robot, the one with the highest `priority` begins first, then the oldest.
+    With `group`, it is for whichever robot of a group is free. Of those that wait for a robot, the one with the highest
+    `priority` begins first, then the oldest, unless one was moved.
     """
 
     model_config = ConfigDict(json_schema_extra={"examples": [EXAMPLE, TEMPLATE_EXAMPLE]})
 
+    group: GroupName | None = None
     by: Name60 | None = None
+
+
+class MoveBody(Schema):
+    """Where a mission goes in its queue: right `before` or `after` another one, by its `mission_id`."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{"before": 32 * "0"}]})
+
+    before: MissionIdText | None = None
+    after: MissionIdText | None = None
+
+    @model_validator(mode="after")
+    def _names_one(self) -> Self:
+        require_one(self, "before", "after")
+        return self
 
 
 class MissionStep(StepPlace):
@@ -116,7 +136,7 @@ class MissionStep(StepPlace):
     error: Reason | None
 
 
-class Mission(MissionFields):
+class Mission(MissionFields, Versioned):
     """A mission.
 
     `held_for` says why it does not go on until somebody continues it, and `waits_for` what it waits for otherwise; null

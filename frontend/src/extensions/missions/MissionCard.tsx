@@ -14,6 +14,7 @@ import { hasEnded } from "./queue";
 import type { Mission, MissionStatus, Verb } from "./requests";
 import {
   errorWords,
+  groupWaitWords,
   holdOf,
   missionName,
   nowWords,
@@ -154,11 +155,12 @@ function lower(text: string): string {
 /** The present step, what it waits for, and since when. */
 function Now({ mission }: { mission: Mission }) {
   const charge = useFleetPart("robots", (robots) => {
-    const battery = robots.get(mission.robot)?.battery;
+    const battery = robots.get(mission.robot ?? "")?.battery;
     return battery === undefined || battery.stale ? null : battery.percentage;
   });
   const words = useAtTime((now) => nowWords(mission, charge, now));
   const step = mission.steps[mission.step];
+  if (mission.robot === null) return <Text size="sm">{groupWaitWords(mission)}</Text>;
   if (mission.started_at === null || step === undefined) return null;
   return (
     <Text size="sm" className="tabular">
@@ -178,7 +180,7 @@ function Now({ mission }: { mission: Mission }) {
 
 /** Whether a stop holds for its robot. */
 function useStopped({ robot }: Mission): boolean {
-  return useFleetPart("robots", (robots) => robots.get(robot)?.stop.latched === true);
+  return useFleetPart("robots", (robots) => robots.get(robot ?? "")?.stop.latched === true);
 }
 
 interface CommandsProps {
@@ -192,7 +194,7 @@ export function Commands({ mission, command }: CommandsProps) {
   const live = useFleetLive();
   const stopped = useStopped(mission);
   if (forbidden !== null || hasEnded(mission)) return null;
-  const { status, held_for, started_at, pausing } = mission;
+  const { status, held_for, started_at, pausing, robot, waits_for } = mission;
   const name = missionName(mission);
   const waiting = command.isPending ? "The gateway has not answered yet." : null;
   const reason = live ? waiting : NOT_CONNECTED;
@@ -209,10 +211,11 @@ export function Commands({ mission, command }: CommandsProps) {
       {words}
     </ReasonButton>
   );
+  const mayBegin = robot === null && waits_for === "continue" && held_for === null;
   const canceling = status === "canceling" ? "It is being canceled." : null;
   return (
     <Group gap="xs" className={classes.commands ?? ""}>
-      {held_for !== null && button("continue", "Continue", held, true)}
+      {(held_for !== null || mayBegin) && button("continue", "Continue", held, true)}
       {held_for !== null && started_at !== null && button("skip", "Skip step", held)}
       {held_for === null &&
         button("pause", "Pause", reason ?? canceling ?? (pausing ? "It pauses after this step." : null))}

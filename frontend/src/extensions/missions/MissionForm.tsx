@@ -67,7 +67,7 @@ export function MissionForm({ draft, onChange }: MissionFormProps) {
 
   const start = useCommand(async (body: string) => {
     try {
-      return await createMission(http, draft.robot, body);
+      return await createMission(http, draft.group === null ? draft.robot : null, body);
     } catch (error) {
       const refused = refusedFields(error);
       if (refused.length > 0) onChange((before) => withRefused(before, refused));

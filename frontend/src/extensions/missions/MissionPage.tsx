@@ -11,7 +11,7 @@ import { againPath, MissionCard } from "./MissionCard";
 import { useMission } from "./missions";
 import { hasEnded, PRIORITY } from "./queue";
 import type { Mission } from "./requests";
-import { missionName } from "./words";
+import { missionName, takerWords } from "./words";
 
 /** One mission, by the id in the address: its steps, their tries, goals and errors. */
 export default function MissionPage() {
@@ -39,16 +39,21 @@ export default function MissionPage() {
 }
 
 function Details({ mission }: { mission: Mission }) {
-  const name = useNaming().nameOf(mission.robot);
+  const naming = useNaming();
+  const name = takerWords(mission, naming);
+  const { robot, group } = mission;
   return (
     <Section
       title={name}
       aside={
         <Group gap="sm">
           {mission.priority !== PRIORITY && <Text size="sm">Priority {mission.priority}</Text>}
-          <Anchor component={Link} to={robotPath(mission.robot)} size="sm">
-            Go to {name}
-          </Anchor>
+          {robot !== null && group !== null && <Text size="sm">For any of {group}</Text>}
+          {robot !== null && (
+            <Anchor component={Link} to={robotPath(robot)} size="sm">
+              Go to {name}
+            </Anchor>
+          )}
         </Group>
       }
     >

@@ -24,7 +24,8 @@ interface StepProps {
   step: MissionStep;
   /** Whether the mission is at this step. */
   present: boolean;
-  robot: string;
+  /** Null before one of its group has begun it. */
+  robot: string | null;
 }
 
 function Step({ step, present, robot }: StepProps) {
@@ -70,7 +71,7 @@ function Step({ step, present, robot }: StepProps) {
 }
 
 /** When it began and ended, which try that was, and its goal. */
-function StepFacts({ step, robot }: { step: MissionStep; robot: string }) {
+function StepFacts({ step, robot }: { step: MissionStep; robot: string | null }) {
   const { attempt, tries, started_at, finished_at, goal_id, status } = step;
   if (started_at === null && status !== "skipped") return null;
   const facts = [
@@ -92,7 +93,7 @@ function StepFacts({ step, robot }: { step: MissionStep; robot: string }) {
             )}
           </span>,
         ]),
-    ...(goal_id === null
+    ...(goal_id === null || robot === null
       ? []
       : [
           <Anchor key="goal" component={Link} to={goalPath(goal_id, robot)} size="sm" underline="always">

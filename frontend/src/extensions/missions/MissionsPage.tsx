@@ -15,9 +15,9 @@ import { againPath, Commands, MissionBadge, MissionCard, missionPath } from "./M
 import { useEndedMissions, useMissionCommand } from "./missions";
 import classes from "./missions.module.css";
 import { useOpenMissions } from "./openMissions";
-import { PRIORITY, type Queue, queuesOf } from "./queue";
+import { groupQueuesOf, PRIORITY, type Queue, queuesOf } from "./queue";
 import type { Mission } from "./requests";
-import { errorWords, holdOf, missionName, stepWords, tookWords } from "./words";
+import { errorWords, groupWaitWords, holdOf, missionName, stepWords, takerWords, tookWords } from "./words";
 
 /** What each robot does and will do, and the missions that have ended. */
 export default function MissionsPage() {
@@ -118,6 +118,11 @@ function Queues({ missions }: { missions: readonly Mission[] }) {
       {queues.map((queue) => (
         <RobotQueue key={queue.robot} queue={queue} />
       ))}
+      {groupQueuesOf(missions).map(({ group, next }) => (
+        <Section key={group} title={`Any of ${group}`}>
+          <NextList name={`any of ${group}`} next={next} />
+        </Section>
+      ))}
       {queues.length === 0 ? (
         <Text size="sm" c="dimmed">
           No robot is on a mission.
@@ -155,14 +160,21 @@ function RobotQueue({ queue: { robot, active, next } }: { queue: Queue }) {
           <Text size="sm" fw={600} component="h3" m={0}>
             Next
           </Text>
-          <ol className={classes.queue} aria-label={`Next for ${name}`}>
-            {next.map((mission, index) => (
-              <Queued key={mission.mission_id} mission={mission} place={index + 1} />
-            ))}
-          </ol>
+          <NextList name={name} next={next} />
         </div>
       )}
     </Section>
+  );
+}
+
+/** Missions in the order in which they begin. */
+function NextList({ name, next }: { name: string; next: readonly Mission[] }) {
+  return (
+    <ol className={classes.queue} aria-label={`Next for ${name}`}>
+      {next.map((mission, index) => (
+        <Queued key={mission.mission_id} mission={mission} place={index + 1} />
+      ))}
+    </ol>
   );
 }
 
@@ -196,6 +208,7 @@ function Queued({ mission, place }: { mission: Mission; place: number }) {
           </span>
         </Text>
         {hold !== null && <Text size="sm">{hold.words}</Text>}
+        {hold === null && mission.robot === null && <Text size="sm">{groupWaitWords(mission)}</Text>}
         <CommandErrorAlert command="The command" error={command.error} onClose={command.reset} />
       </div>
       <Commands mission={mission} command={command} />
@@ -234,9 +247,9 @@ function EndedRow({ mission, several }: { mission: Mission; several: boolean }) 
   const forbidden = useForbidden("POST /missions");
   const reason = useWhyNot("POST /missions");
   useZone();
-  const { name, steps, status, error, finished_at, robot } = mission;
+  const { name, steps, status, error, finished_at } = mission;
   const own = missionName(mission);
-  const robotName = naming.nameOf(robot);
+  const robotName = takerWords(mission, naming);
   return (
     <Table.Tr>
       <Table.Td className={classes.name}>

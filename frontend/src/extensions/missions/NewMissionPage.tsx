@@ -27,7 +27,7 @@ export default function NewMissionPage() {
   if (draft === null && (known || live)) {
     const now = store.gatewayNow();
     if (from === null) setDraft(query.has("example") ? exampleMission(robot, now) : newMission(robot));
-    else if (first !== undefined) setDraft(draftOf(first, now));
+    else if (first !== undefined) setDraft(draftOf(first, now, robot));
   }
   return (
     <Stack gap="md" className={classes.form ?? ""}>

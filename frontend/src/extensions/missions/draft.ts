@@ -90,6 +90,8 @@ export interface StepDraft {
 export interface Draft {
   /** Its namespace. */
   robot: string;
+  /** Any robot of this group takes it; null for the robot. */
+  group: string | null;
   name: string;
   priority: number | string;
   steps: readonly StepDraft[];
@@ -140,7 +142,7 @@ export function newStep(kind: StepKind, now: number, change: Partial<StepDraft> 
 }
 
 export function newMission(robot: string): Draft {
-  return { robot, name: "", priority: PRIORITY, steps: [], refused: [] };
+  return { robot, group: null, name: "", priority: PRIORITY, steps: [], refused: [] };
 }
 
 /** A mission to start from: charge the robot, and drive off the dock. */
@@ -154,10 +156,11 @@ export function exampleMission(robot: string, now: number): Draft {
 }
 
 /** What starts a mission once more. */
-export function draftOf(mission: Mission, now: number): Draft {
-  const { robot, name, priority } = mission;
+export function draftOf(mission: Mission, now: number, defaultRobot = "/"): Draft {
+  const { robot, group, name, priority } = mission;
   return {
-    robot,
+    robot: robot ?? defaultRobot,
+    group,
     name: name ?? "",
     priority,
     steps: mission.steps
@@ -247,8 +250,9 @@ export function withMoved(steps: readonly StepDraft[], index: number, by: -1 | 1
 }
 
 /** The request that starts a mission: JSON, as goals are written, so that no number in them is rounded. */
-export function bodyOf({ name, priority, steps }: Draft, by: string | null): string {
-  const head = JSON.stringify({ name: name.trim() || null, priority: Number(priority), by });
+export function bodyOf({ group, name, priority, steps }: Draft, by: string | null): string {
+  const own = { name: name.trim() || null, priority: Number(priority), by };
+  const head = JSON.stringify(group === null ? own : { ...own, group });
   return `${head.slice(0, -1)},"steps":[${steps.map(stepText).join(",")}]}`;
 }
 

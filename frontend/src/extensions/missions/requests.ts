@@ -28,11 +28,14 @@ export function getMission(http: Http, id: string): Promise<Mission> {
   );
 }
 
-/** @param body The mission as JSON, sent as it is: goals may have numbers that are rounded otherwise. */
-export function createMission(http: Http, robot: string, body: string): Promise<Mission> {
+/**
+ * @param robot Null where the body says of which group it is.
+ * @param body The mission as JSON, sent as it is: goals may have numbers that are rounded otherwise.
+ */
+export function createMission(http: Http, robot: string | null, body: string): Promise<Mission> {
   return settle(
     http.POST("/missions", {
-      params: { query: { robot } },
+      params: { query: robot === null ? {} : { robot } },
       headers: { "Idempotency-Key": newKey() },
       body: { steps: [] },
       bodySerializer: () => body,

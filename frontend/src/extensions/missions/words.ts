@@ -1,3 +1,4 @@
+import type { Naming } from "../../fleet/names";
 import { codeWords } from "../../goal/words";
 import { sentence } from "../../ui/text";
 import { formatDuration, formatTime } from "../../ui/time";
@@ -168,8 +169,22 @@ export function holdOf({ held_for, started_at }: Pick<Mission, "held_for" | "sta
   return started_at === null ? NOT_BEGUN : HOLDS[held_for];
 }
 
+/** Who takes a mission: its robot, or one of its group. */
+export function takerWords({ robot, group }: Pick<Mission, "robot" | "group">, naming: Naming): string {
+  return robot === null ? `Any of ${group}` : naming.nameOf(robot);
+}
+
+/** What a mission for a group waits for before a robot begins it; empty where that is not known. */
+export function groupWaitWords({ waits_for }: Pick<Mission, "waits_for">): string {
+  if (waits_for === "continue")
+    return "The robots that are free were stopped after it was queued. Continue lets one begin.";
+  return waits_for === null ? "" : WAITS[waits_for];
+}
+
 const WAITS: Record<NonNullable<Mission["waits_for"]>, string> = {
   turn: "Waiting for its turn",
+  robot: "Waiting for a robot of the group that is free and has enough charge",
+  group: "No robot is in this group. A robot's page has its groups.",
   continue: "Waiting for Continue",
   stop_released: "Waiting for the stop to be released",
   other_goal: "Another goal is running on this robot. The step begins when it has ended.",

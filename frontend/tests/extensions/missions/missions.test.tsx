@@ -18,7 +18,7 @@ import {
   type StepKind,
   withMoved,
 } from "../../../src/extensions/missions/draft";
-import { queuesOf, withMission } from "../../../src/extensions/missions/queue";
+import { groupQueuesOf, queuesOf, withMission } from "../../../src/extensions/missions/queue";
 import type { Mission, MissionStep } from "../../../src/extensions/missions/requests";
 import {
   depthOf,
@@ -111,9 +111,12 @@ const NESTED: MissionStep[] = [
 ];
 const NIGHT: Mission = {
   mission_id: "a",
+  etag: '"0"',
   robot: "/robot1",
+  group: null,
   name: "Night",
   priority: 50,
+  order: 1,
   status: "running",
   held_for: null,
   pausing: false,
@@ -142,6 +145,7 @@ const QUEUED: Mission = {
   waits_for: "turn",
   steps: [DOCK],
 };
+const ANY: Mission = { ...QUEUED, mission_id: "any", robot: null, group: "pickers", waits_for: "robot" };
 const HELD: Mission = { ...NIGHT, status: "held", held_for: "stop", waits_for: "continue" };
 const FAILED: Mission = {
   ...NIGHT,
@@ -231,14 +235,25 @@ describe("the words", () => {
 });
 
 describe("the queue", () => {
-  it("has the active mission first, then by priority and age", () => {
-    const later = { ...QUEUED, mission_id: "d", created_at: "2026-11-30T02:30:00Z" };
+  it("has the active mission first, then by priority and place", () => {
+    const later = { ...QUEUED, mission_id: "d", order: 2, created_at: "2026-11-30T01:30:00Z" };
+    const same = { ...QUEUED, mission_id: "g", order: 2 };
     const urgent = { ...later, mission_id: "e", priority: 70 };
     const other = { ...QUEUED, mission_id: "f", robot: "/robot2" };
-    const [one, two] = queuesOf([later, other, QUEUED, NIGHT, urgent, FAILED]);
+    const [one, two] = queuesOf([same, later, other, QUEUED, NIGHT, urgent, FAILED]);
     expect(one?.active).toBe(NIGHT);
-    expect(one?.next.map(({ mission_id }) => mission_id)).toEqual(["e", "b", "d"]);
+    expect(one?.next.map(({ mission_id }) => mission_id)).toEqual(["e", "b", "d", "g"]);
     expect(two).toMatchObject({ robot: "/robot2", active: null, next: [other] });
+  });
+
+  it("is one of each group for what no robot has begun", () => {
+    const second = { ...ANY, mission_id: "h", order: 3 };
+    const sweep = { ...ANY, mission_id: "i", group: "sweepers" };
+    expect(queuesOf([ANY, second, sweep])).toEqual([]);
+    expect(groupQueuesOf([sweep, second, NIGHT, ANY])).toEqual([
+      { group: "pickers", next: [ANY, second] },
+      { group: "sweepers", next: [sweep] },
+    ]);
   });
 
   it("loses those that end", () => {
@@ -389,6 +404,19 @@ describe("the page", () => {
     act(() => handlers.forEach(({ onEvent }) => void onEvent(event)));
     await user.click(await screen.findByRole("button", { name: "Continue: Night" }));
     await waitFor(() => expect(asked.map(({ path }) => path)).toEqual(["/missions/a/continue"]));
+  });
+
+  it("shows what waits for a robot of a group, and lets one begin that was stopped", async () => {
+    const asked = answering([
+      ANY,
+      { ...ANY, mission_id: "h", name: "After a stop", order: 3, waits_for: "continue" },
+    ]);
+    const { user } = open();
+    const section = await screen.findByRole("region", { name: "Any of pickers" });
+    expect(within(section).getByText(/Waiting for a robot of the group/)).toBeDefined();
+    expect(within(section).queryByRole("button", { name: "Continue: Dock" })).toBeNull();
+    await user.click(within(section).getByRole("button", { name: "Continue: After a stop" }));
+    await waitFor(() => expect(asked.map(({ path }) => path)).toEqual(["/missions/h/continue"]));
   });
 
   it("teaches where there is nothing, and starts an example by pressing", async () => {

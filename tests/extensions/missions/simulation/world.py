@@ -168,6 +168,11 @@ class World:
         victim = self._random.choice(self.gateways)
         victim.kill()
 
+    def is_spooled(self, goal_id: str) -> bool:
+        """Return whether a goal is in the spool of a gateway, which has no answer of the database yet."""
+        lines = (line for files in self._spools.values() for spooled in files.values() for line in spooled)
+        return any(goal_id.encode() in line for line in lines)
+
     def tell_latch(self, sender: Gateway, namespace: str, *, latched: bool) -> None:
         """Bring what one gateway has published on `stop_latched` to the others."""
         for gateway in self.gateways:

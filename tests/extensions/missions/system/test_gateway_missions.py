@@ -2,6 +2,7 @@
 
 import signal
 import time
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -88,6 +89,45 @@ def test_one_step_after_the_other(domain: int) -> None:
         assert [goal["goal_id"] for goal in sent[:2]] == [step["goal_id"] for step in found["steps"][::2]]
         assert [goal["action_name"].rpartition("/")[2] for goal in sent[1:]] == 3 * ["fibonacci"]
         assert {goal["origin"] for goal in sent} == {"automation"}
+
+
+def label(gateway: RunningGateway, robot: str, *groups: str) -> None:
+    body = {"display_name": None, "groups": [*groups]}
+    gateway.http.put("/label", params={"robot": robot}, json=body).raise_for_status()
+
+
+def publish_battery(gateway: RunningGateway, robot: str, percentage: float) -> None:
+    """Publish a battery state, and go on with it."""
+    body = {"state": {**LOW, "percentage": percentage}, "rate_hz": 2.0}
+    gateway.http.put("/battery/publisher", params={"robot": robot}, json=body).raise_for_status()
+
+
+def test_a_mission_for_a_group_goes_to_the_robot_with_the_most_charge(domain: int) -> None:
+    with ExitStack() as stack:
+        for robot in ("/robot1", "/robot2"):
+            stack.enter_context(running_dock_server(domain, "-r", f"__ns:={robot}"))
+        gateway = stack.enter_context(running_gateway(domain, namespace="/robot1"))
+        wait_until(lambda: len(gateway.http.get("/robots").json()["robots"]) == 2, "the robots")
+        hold = {"wait": {"person": True}}
+        first, second, third = (post(gateway, hold, group="pickers") for _ in range(3))
+        until(gateway, first, "queued", waits_for="group", robot=None)
+        for robot in ("/robot1", "/robot2"):
+            label(gateway, robot, "pickers")
+        until(gateway, first, "queued", waits_for="robot", robot=None)
+        gateway.http.post(f"/missions/{third}/move", json={"before": second}).raise_for_status()
+        publish_battery(gateway, "/robot2", 0.7)
+        until(gateway, first, "held", robot="/robot2")
+        publish_battery(gateway, "/robot1", 0.9)
+        until(gateway, third, "held", robot="/robot1")
+        assert mission(gateway, second)["robot"] is None
+        gateway.http.put(f"/missions/{second}", json={"name": "Short", "steps": [hold]}).raise_for_status()
+        gateway.http.post("/stop", params={"robot": "/robot1"}).raise_for_status()
+        change(gateway, third, "cancel")
+        until(gateway, third, "canceled")
+        gateway.http.delete("/stop", params={"robot": "/robot1"}).raise_for_status()
+        until(gateway, second, "queued", waits_for="continue", name="Short")
+        change(gateway, second, "continue")
+        until(gateway, second, "held", robot="/robot1", group="pickers")
 
 
 def test_a_stop_holds_a_mission_until_somebody_continues_it(domain: int) -> None:
