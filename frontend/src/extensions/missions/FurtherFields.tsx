@@ -1,7 +1,7 @@
 import { Checkbox, NativeSelect, NumberInput, Text, Textarea, TextInput } from "@mantine/core";
 import { MAX_NOTICE, MAX_TIMES, type StepDraft } from "./draft";
 import classes from "./missions.module.css";
-import { placeName, usePlaces } from "./places/places";
+import { usePlaces } from "./places/places";
 import { type FieldsProps, Refused } from "./StepFields";
 import { errorAt, INSIDE, MESSAGE } from "./wrong";
 
@@ -64,7 +64,7 @@ export function PlaceFields({ step, errors, set }: FieldsProps) {
 function PlaceChoice({ step: { placeId }, errors, set }: FieldsProps) {
   const { data: places = [] } = usePlaces();
   if (places.length === 0 && placeId === "") return null;
-  const known = places.map((place) => ({ value: place.id, label: placeName(place) }));
+  const known = places.map(({ id, name }) => ({ value: id, label: name }));
   const gone = placeId !== "" && !places.some(({ id }) => id === placeId);
   return (
     <div className={classes.fields}>

@@ -1,22 +1,12 @@
-import {
-  Button,
-  Group,
-  NativeSelect,
-  NumberInput,
-  Stack,
-  Text,
-  TextInput,
-  VisuallyHidden,
-} from "@mantine/core";
+import { Button, Group, NumberInput, Stack, Text, TextInput, VisuallyHidden } from "@mantine/core";
 import { type FormEvent, useEffect, useRef, useState } from "react";
 import { useNavigate } from "react-router";
 import { NameInput, ownName, setOwnName } from "../../access/who";
 import { useActions } from "../../actions/actions";
 import { refusedFields } from "../../actions/DraftFields";
+import { useForbidden } from "../../api/session";
 import { useGatewayNow } from "../../clock/clock";
-import { useFleet, useFleetPart, useFleetTopic, useNaming, useWhyNot } from "../../fleet/context";
-import { byName } from "../../fleet/names";
-import { isThere } from "../../fleet/words";
+import { useFleet, useFleetPart, useNaming, useWhyNot } from "../../fleet/context";
 import { CommandErrorAlert } from "../../ui/errors";
 import { ReasonButton } from "../../ui/ReasonButton";
 import { useCommand } from "../../ui/requests";
@@ -36,8 +26,10 @@ import {
 import classes from "./missions.module.css";
 import { useOpenMissions } from "./openMissions";
 import { queuesOf } from "./queue";
+import { RobotField } from "./RobotField";
 import { createMission } from "./requests";
 import { StepCard, TITLES } from "./StepCard";
+import { escaped, type TemplateDraft } from "./templates/templates";
 import { errorAt, isReady, missionErrors, withRefused } from "./wrong";
 
 interface MissionFormProps {
@@ -57,6 +49,7 @@ export function MissionForm({ draft, onChange }: MissionFormProps) {
   const navigate = useNavigate();
   const now = useGatewayNow();
   const reason = useWhyNot("POST /missions");
+  const mayNotSave = useForbidden("PUT /mission-templates/{template_id}");
   const [tried, setTried] = useState(false);
   const [by, setBy] = useState(ownName);
   const [said, say] = useState("");
@@ -220,6 +213,16 @@ export function MissionForm({ draft, onChange }: MissionFormProps) {
             <Button variant="default" size="md" onClick={() => navigate("/ui/missions")}>
               Cancel
             </Button>
+            {mayNotSave === null && (
+              <ReasonButton
+                variant="default"
+                size="md"
+                reason={ready ? null : "Fix what is marked first."}
+                onClick={() => navigate("/ui/missions/templates", { state: templateOf(draft) })}
+              >
+                Save as template
+              </ReasonButton>
+            )}
             <Text size="sm" c="dimmed" role="status">
               {tried && !ready && "Fix what is marked above first."}
             </Text>
@@ -230,22 +233,10 @@ export function MissionForm({ draft, onChange }: MissionFormProps) {
   );
 }
 
-/** Chooses the robot; nothing where there is only one. */
-function RobotField({ robot, onRobot }: { robot: string; onRobot: (robot: string) => void }) {
-  const naming = useNaming();
-  const robots = useFleetTopic("robots");
-  const there = [...robots.values()].flatMap((each) => (isThere(each) ? [each.name] : []));
-  const names = [...new Set([...there, robot])].sort(byName);
-  if (names.length === 1) return null;
-  return (
-    <NativeSelect
-      label="Robot"
-      description="It takes the steps."
-      value={robot}
-      onChange={(event) => onRobot(event.currentTarget.value)}
-      data={names.map((name) => ({ value: name, label: naming.fullNameOf(name) }))}
-    />
-  );
+/** A template that makes this mission. */
+function templateOf(draft: Draft): Partial<TemplateDraft> {
+  const { steps } = JSON.parse(bodyOf(draft, null)) as { steps: unknown[] };
+  return { name: draft.name, priority: draft.priority, steps: JSON.stringify(escaped(steps), null, 1) };
 }
 
 function namesOf(steps: readonly StepDraft[]): string[] {

@@ -17,6 +17,7 @@ import classes from "./missions.module.css";
 import { useOpenMissions } from "./openMissions";
 import { groupQueuesOf, PRIORITY, type Queue, queuesOf } from "./queue";
 import type { Mission } from "./requests";
+import { MissionPages } from "./StoredPage";
 import { errorWords, groupWaitWords, holdOf, missionName, stepWords, takerWords, tookWords } from "./words";
 
 /** What each robot does and will do, and the missions that have ended. */
@@ -38,6 +39,7 @@ export default function MissionsPage() {
           </ReasonButton>
         )}
       </PageTitle>
+      <MissionPages />
       <Trouble what="The missions could not be loaded" error={error} onRetry={() => void refetch()} />
       {open === undefined ? (
         error === null && <Loading />

@@ -11,6 +11,17 @@ export const extension: Extension = {
       at: "gateway",
     },
     { path: "/ui/missions/new", Page: lazyPart(() => import("./NewMissionPage")), at: "gateway" },
+    {
+      path: "/ui/missions/templates",
+      Page: lazyPart(() => import("./templates/TemplatesPage")),
+      at: "gateway",
+    },
+    {
+      path: "/ui/missions/schedules",
+      Page: lazyPart(() => import("./schedules/SchedulesPage")),
+      at: "gateway",
+    },
+    { path: "/ui/missions/places", Page: lazyPart(() => import("./places/PlacesPage")), at: "gateway" },
     { path: "/ui/missions/:missionId", Page: lazyPart(() => import("./MissionPage")), at: "gateway" },
   ],
   parts: { robotColumn: lazyPart(() => import("./openMissions")) },

@@ -1,0 +1,220 @@
+import {
+  Alert,
+  Checkbox,
+  Group,
+  NativeSelect,
+  NumberInput,
+  SegmentedControl,
+  Select,
+  SimpleGrid,
+  Stack,
+  TagsInput,
+  Textarea,
+  TextInput,
+} from "@mantine/core";
+import { useMemo } from "react";
+import { EntryForm } from "../../../entries/EntryForm";
+import { useFleet, useFleetPart } from "../../../fleet/context";
+import { defaultRobot } from "../../../fleet/names";
+import classes from "../missions.module.css";
+import { RobotField } from "../RobotField";
+import { useStoredCommands } from "../stored";
+import { ArgumentFields } from "../templates/ArgumentFields";
+import { useTemplates } from "../templates/templates";
+import {
+  bodyOf,
+  dayWords,
+  draftOf,
+  errorsOf,
+  type NamedSchedule,
+  SCHEDULES,
+  type ScheduleDraft,
+  WEEKDAYS,
+} from "./schedules";
+
+interface ScheduleFormProps {
+  /** Null for a new one, which is on. */
+  schedule: NamedSchedule | null;
+  schedules: readonly NamedSchedule[];
+  onDone: () => void;
+}
+
+/** Adds or changes a schedule. */
+export function ScheduleForm({ schedule, schedules, onDone }: ScheduleFormProps) {
+  const { store } = useFleet();
+  const { save } = useStoredCommands(SCHEDULES);
+  const { data: templates = [] } = useTemplates();
+  const robot = useFleetPart("robots", defaultRobot);
+  return (
+    <EntryForm
+      noun="schedule"
+      entry={schedule}
+      draftOf={(entry: NamedSchedule | null) => draftOf(entry, robot, store.gatewayNow())}
+      example={schedule === null && templates[0] !== undefined ? { template: templates[0].id } : undefined}
+      entries={schedules}
+      placeholder="Night round"
+      maxName={60}
+      errorsOf={(draft) => errorsOf(draft, templates)}
+      bodyOf={(draft, by, replaced) => bodyOf(draft, templates, replaced?.enabled ?? true, by)}
+      save={save}
+      onSaved={onDone}
+      onCancel={onDone}
+    >
+      {(draft, errors, change) => (
+        <>
+          <RobotField robot={draft.robot} onRobot={(chosen) => change({ robot: chosen })} />
+          <MissionFields draft={draft} errors={errors} onChange={change} />
+          <SegmentedControl
+            aria-label="When"
+            data={[
+              { value: "daily", label: "Times of day" },
+              { value: "every", label: "Every …" },
+              { value: "once", label: "Once" },
+            ]}
+            value={draft.when}
+            onChange={(when) => change({ when: when as ScheduleDraft["when"] })}
+          />
+          <TimeFields draft={draft} errors={errors} onChange={change} />
+          <Checkbox
+            label="Also while its last mission has not ended"
+            description="Otherwise that time is skipped."
+            checked={draft.queues}
+            onChange={(event) => change({ queues: event.currentTarget.checked })}
+          />
+          {(schedule === null || schedule.enabled) && (
+            <Alert color="orange" title="The robot moves by itself">
+              What you save applies at once. Check that its way is clear at these times.
+            </Alert>
+          )}
+        </>
+      )}
+    </EntryForm>
+  );
+}
+
+interface FieldsProps {
+  draft: ScheduleDraft;
+  errors: Partial<Record<keyof ScheduleDraft, string>>;
+  onChange: (part: Partial<ScheduleDraft>) => void;
+}
+
+/** A template with its parameters, or steps. */
+function MissionFields({ draft, errors, onChange }: FieldsProps) {
+  const { data: templates = [] } = useTemplates();
+  const chosen = templates.find(({ id }) => id === draft.template);
+  const gone = draft.template !== "" && chosen === undefined;
+  return (
+    <>
+      {(templates.length > 0 || gone) && (
+        <NativeSelect
+          label="Mission"
+          value={draft.template}
+          error={errors.template}
+          onChange={(event) => onChange({ template: event.currentTarget.value })}
+          data={[
+            ...templates.map(({ id, name }) => ({ value: id, label: name })),
+            ...(gone ? [{ value: draft.template, label: draft.template }] : []),
+            { value: "", label: "Steps, written here" },
+          ]}
+        />
+      )}
+      {chosen !== undefined && (
+        <ArgumentFields
+          template={chosen}
+          typed={draft.typed}
+          tried={errors.typed !== undefined}
+          onType={(typed) => onChange({ typed })}
+        />
+      )}
+      {draft.template === "" && (
+        <Textarea
+          label="Steps"
+          description="JSON, as a template or a mission has them."
+          rows={5}
+          resize="vertical"
+          spellCheck={false}
+          classNames={{ input: classes.code ?? "" }}
+          value={draft.steps}
+          error={errors.steps}
+          onChange={(event) => onChange({ steps: event.currentTarget.value })}
+        />
+      )}
+    </>
+  );
+}
+
+/** When it is due. */
+function TimeFields({ draft, errors, onChange }: FieldsProps) {
+  const zones = useMemo(
+    () => [...new Set([draft.timeZone, "UTC", ...Intl.supportedValuesOf("timeZone")])].sort(),
+    [draft.timeZone],
+  );
+  if (draft.when === "every")
+    return (
+      <NumberInput
+        label="Every"
+        suffix=" min"
+        min={1}
+        clampBehavior="none"
+        allowDecimal={false}
+        description="Counted from when it is saved."
+        value={draft.minutes}
+        error={errors.minutes}
+        onChange={(minutes) => onChange({ minutes })}
+      />
+    );
+  if (draft.when === "once")
+    return (
+      <SimpleGrid cols={{ base: 1, xs: 2 }} spacing="sm">
+        <TextInput
+          label="Day"
+          type="date"
+          value={draft.day}
+          error={errors.day}
+          onChange={(event) => onChange({ day: event.currentTarget.value })}
+        />
+        <TextInput
+          label="Time"
+          placeholder="06:00"
+          maxLength={5}
+          value={draft.clock}
+          error={errors.day !== undefined}
+          onChange={(event) => onChange({ clock: event.currentTarget.value })}
+        />
+      </SimpleGrid>
+    );
+  return (
+    <Stack gap="sm">
+      <TagsInput
+        label="Times"
+        description="HH:MM; Enter adds one."
+        maxTags={24}
+        value={draft.times}
+        error={errors.times}
+        onChange={(times) => onChange({ times })}
+        acceptValueOnBlur
+      />
+      <Checkbox.Group
+        label="Days"
+        value={draft.weekdays}
+        error={errors.weekdays}
+        onChange={(weekdays) => onChange({ weekdays })}
+      >
+        <Group gap="sm" mt={4}>
+          {WEEKDAYS.map((day) => (
+            <Checkbox key={day} value={day} label={dayWords(day)} />
+          ))}
+        </Group>
+      </Checkbox.Group>
+      <Select
+        label="Time zone"
+        searchable
+        allowDeselect={false}
+        limit={100}
+        data={zones}
+        value={draft.timeZone}
+        onChange={(zone) => zone !== null && onChange({ timeZone: zone })}
+      />
+    </Stack>
+  );
+}

@@ -1,0 +1,192 @@
+import { clockOf, dayOf, formatDuration, formatTime, timeAt } from "../../../ui/time";
+import { zoneName } from "../../../ui/zone";
+import { named, type Stored, sorted, useStored } from "../stored";
+import { argumentsOf, missingIn, type NamedTemplate, parsed, textOf } from "../templates/templates";
+import { deleteSchedule, listSchedules, putSchedule, type Schedule, type ScheduleBody } from "./requests";
+
+export type NamedSchedule = Schedule & { name: string };
+
+export const SCHEDULES: Stored<NamedSchedule, ScheduleBody> = {
+  key: ["schedules"],
+  list: async (http) => sorted((await listSchedules(http)).map(named)),
+  put: async (http, id, body, base) => named(await putSchedule(http, id, body, base)),
+  remove: deleteSchedule,
+};
+
+/** How often it is asked what came of schedules, and what others have changed (ms). */
+const REFETCH_MS = 5000;
+
+/** The schedules, by name. */
+export function useSchedules() {
+  return useStored(SCHEDULES, REFETCH_MS);
+}
+
+const DAYS: Record<string, string> = {
+  mon: "Mon",
+  tue: "Tue",
+  wed: "Wed",
+  thu: "Thu",
+  fri: "Fri",
+  sat: "Sat",
+  sun: "Sun",
+};
+export const WEEKDAYS = Object.keys(DAYS);
+
+export function dayWords(day: string): string {
+  return DAYS[day] ?? day;
+}
+
+/** `Every day at 06:00, 22:00 (Europe/Berlin)`, `Every 1 h 30 min`, `Once, 1 Dec 06:00` */
+export function whenWords({ once, daily, every }: Pick<Schedule, "once" | "daily" | "every">): string {
+  if (once !== null) return `Once, ${formatTime(Date.parse(once.at))}`;
+  if (every !== null) return `Every ${formatDuration(every.minutes * 60_000)}`;
+  if (daily === null) return "";
+  const days =
+    daily.weekdays.length === WEEKDAYS.length ? "Every day" : daily.weekdays.map(dayWords).join(", ");
+  return `${days} at ${daily.times.join(", ")} (${daily.time_zone})`;
+}
+
+/** `Fetch (shelf: shelf-a3)`, `3 steps` */
+export function missionWords({ mission }: Schedule, templates: readonly NamedTemplate[]): string {
+  const { template, steps, arguments: given } = mission;
+  if (template === null) return steps?.length === 1 ? "One step" : `${steps?.length ?? 0} steps`;
+  const name = templates.find(({ id }) => id === template)?.name ?? template;
+  const words = Object.entries(given ?? {}).map(([key, value]) => `${key}: ${textOf(value)}`);
+  return words.length === 0 ? name : `${name} (${words.join(", ")})`;
+}
+
+const CODES: Record<string, string> = {
+  still_running: "Skipped: its last mission had not ended",
+  schedule_missed: "Missed: no gateway ran within an hour",
+  template_not_found: "Its template was removed",
+  robot_not_found: "The robot was not there",
+  limit_reached: "Too many missions wait already",
+};
+
+/** Why the last time queued no mission; null where it did. */
+export function failureWords({ last }: Pick<Schedule, "last">): string | null {
+  if (last === null || last.code === null) return null;
+  return CODES[last.code] ?? last.detail ?? last.code;
+}
+
+type When = "once" | "daily" | "every";
+
+/** A schedule as it is typed. */
+export interface ScheduleDraft {
+  name: string;
+  robot: string;
+  /** The id of a template; empty for steps. */
+  template: string;
+  typed: Record<string, string>;
+  /** JSON. */
+  steps: string;
+  /** What else its missions have. */
+  kept: { name: string | null; priority: number | null };
+  when: When;
+  day: string;
+  clock: string;
+  times: string[];
+  weekdays: string[];
+  timeZone: string;
+  minutes: number | string;
+  queues: boolean;
+}
+
+/** @param now In the gateway's time (ms). */
+export function draftOf(schedule: NamedSchedule | null, robot: string, now: number): ScheduleDraft {
+  const { once, daily, every, mission } = schedule ?? {};
+  const at = once == null ? now + 3_600_000 : Date.parse(once.at);
+  const given = Object.entries(mission?.arguments ?? {}).map(([key, value]) => [key, textOf(value)]);
+  return {
+    name: schedule?.name ?? "",
+    robot: schedule?.robot ?? robot,
+    template: mission?.template ?? "",
+    typed: Object.fromEntries(given) as Record<string, string>,
+    steps: JSON.stringify(plain(mission?.steps ?? [{ undock: {} }, { dock: {} }]), null, 1),
+    kept: { name: mission?.name ?? null, priority: mission?.priority ?? null },
+    when: once != null ? "once" : every != null ? "every" : "daily",
+    day: dayOf(at),
+    clock: clockOf(at),
+    times: daily?.times ?? ["22:00"],
+    weekdays: daily?.weekdays ?? [...WEEKDAYS],
+    timeZone: daily?.time_zone ?? zoneName(),
+    minutes: every?.minutes ?? 60,
+    queues: schedule?.if_running === "queue",
+  };
+}
+
+/** Steps without the fields that say nothing. */
+function plain(value: unknown): unknown {
+  if (Array.isArray(value)) return value.map(plain);
+  if (typeof value !== "object" || value === null) return value;
+  const said = Object.entries(value).filter(
+    ([key, item]) =>
+      item !== null && !(key === "tries" && item === 1) && !(key === "on_failure" && item === "end"),
+  );
+  return Object.fromEntries(said.map(([key, item]) => [key, plain(item)]));
+}
+
+const TIME = /^([01]?\d|2[0-3]):[0-5]\d$/;
+const A_WEEK = 10_080;
+
+/** What is wrong with each field. */
+export function errorsOf(draft: ScheduleDraft, templates: readonly NamedTemplate[]) {
+  const errors: Partial<Record<keyof ScheduleDraft, string>> = {};
+  if (draft.name.trim() === "") errors.name = "Type a name.";
+  const template = templates.find(({ id }) => id === draft.template);
+  if (draft.template === "") {
+    const steps = parsed(draft.steps);
+    if (!Array.isArray(steps) || steps.length === 0) errors.steps = 'A list of steps, such as [{"dock": {}}]';
+  } else if (template === undefined) errors.template = "This template was removed.";
+  else if (missingIn(template, draft.typed).length > 0) errors.typed = "A parameter needs a value.";
+  if (draft.when === "once" && timeAt(draft.day, draft.clock) === null)
+    errors.day = "A day and a time, such as 06:00";
+  if (draft.when === "daily") {
+    if (draft.times.length === 0) errors.times = "Add a time, such as 22:00.";
+    else if (!draft.times.every((time) => TIME.test(time))) errors.times = "Times are from 00:00 to 23:59.";
+    if (draft.weekdays.length === 0) errors.weekdays = "Choose a day.";
+  }
+  const { minutes } = draft;
+  if (
+    draft.when === "every" &&
+    !(Number.isInteger(minutes) && Number(minutes) >= 1 && Number(minutes) <= A_WEEK)
+  )
+    errors.minutes = "From 1 minute to a week";
+  return errors;
+}
+
+/** @param enabled Whether it is on. */
+export function bodyOf(
+  draft: ScheduleDraft,
+  templates: readonly NamedTemplate[],
+  enabled: boolean,
+  by: string | null,
+): ScheduleBody {
+  const template = templates.find(({ id }) => id === draft.template);
+  const mission =
+    template === undefined
+      ? { ...draft.kept, steps: parsed(draft.steps) }
+      : { ...draft.kept, template: template.id, arguments: argumentsOf(template, draft.typed) };
+  const times = draft.times.map((time) => time.padStart(5, "0"));
+  const when = {
+    once: { once: { at: new Date(timeAt(draft.day, draft.clock) ?? 0).toISOString() } },
+    daily: { daily: { times, weekdays: draft.weekdays, time_zone: draft.timeZone } },
+    every: { every: { minutes: Number(draft.minutes) } },
+  }[draft.when];
+  const if_running = draft.queues ? "queue" : "skip";
+  return {
+    name: draft.name.trim(),
+    robot: draft.robot,
+    enabled,
+    mission,
+    ...when,
+    if_running,
+    by,
+  } as ScheduleBody;
+}
+
+/** The request that stores a schedule as it is, on or off. */
+export function withEnabled(schedule: NamedSchedule, enabled: boolean, by: string | null): ScheduleBody {
+  const { name, robot, mission, once, daily, every, if_running } = schedule;
+  return { name, robot, mission, once, daily, every, if_running, enabled, by } as ScheduleBody;
+}
