@@ -2,6 +2,7 @@
 export { extension as audit_log } from "./extensions/audit_log/extension";
 export { extension as automation } from "./extensions/automation/extension";
 export { extension as cameras } from "./extensions/cameras/extension";
+export { extension as chargers } from "./extensions/chargers/extension";
 export { extension as maps } from "./extensions/maps/extension";
 export { extension as missions } from "./extensions/missions/extension";
 export { extension as recordings } from "./extensions/recordings/extension";
