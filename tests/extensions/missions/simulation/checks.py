@@ -92,7 +92,8 @@ class Checks:
         for index, step in enumerate(mission.steps):
             if (tag := tag_of(step)) is not None:
                 self._places[tag] = Place(mission_id, index, any(index in inside for inside in around))
-        if not any(robot_of(each) == robot_of(mission) for each in self.stored().values()):
+        own = [each for each in self.stored().values() if robot_of(each) == robot_of(mission)]
+        if not any(each.active or each.status is MissionStatus.QUEUED for each in own):  # it begins at once
             self.allowed(robot_of(mission))
 
     def allowed(self, robot: str) -> None:

@@ -136,7 +136,7 @@ class KnownFleet:
             dock=SimpleNamespace(available=robot.there, answering=robot.there),
             stop={"latched": self._interlock.holds(name)},
             goals=[goal for goal in self._actions.running() if is_under(goal.action_name, name)],
-            lost=[goal for goal in self._actions.lost() if is_under(goal.action_name, name)],
+            lost=[] if robot.there else [goal for goal in self._actions.lost() if is_under(goal.action_name, name)],
             label=self._labels.get(name),
         )
 
