@@ -6,7 +6,7 @@ A gateway's own words, which are the stored missions, are compared with that.
 from collections import Counter, defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import datetime, timedelta
 from typing import TYPE_CHECKING, Any
 
 from dock_gateway.core.goal import GoalStatus
@@ -284,7 +284,8 @@ class Checks:
             waited = (now - (step.started_at or now)).total_seconds()
             return waited < step.answer_within + self._goes_on_after
         if step.status is StepStatus.WAITING or step.wait is None:
-            return step.has_goal and step.goal_id is not None and step.timeout_s is None  # its goal is lost
+            late = step.is_late(now - timedelta(seconds=self._goes_on_after))
+            return step.has_goal and step.goal_id is not None and not late  # its goal is lost, and may return
         if step.wait.battery is not None and not step.is_late(now):
             return robot.charge < step.wait.battery
         ends_at = step.wait.ends_at(step.started_at or now)
