@@ -297,6 +297,41 @@ async def test_a_stop_that_does_not_stay_holds_what_runs_and_nothing_later() -> 
 
 
 @in_virtual_time
+async def test_a_stop_counts_although_another_gateway_changes_the_mission_first() -> None:
+    site = Site()
+    (runner,) = site.runners
+    await site.add({"wait": {"seconds": 60}})
+    await asyncio.sleep(5)
+    change = runner.book.change
+
+    async def lose_once(mission_id: str, before: MissionEntry, after: MissionEntry) -> bool:
+        runner.book.change = change  # type: ignore[method-assign]
+        await change(mission_id, before, before.but())
+        return await change(mission_id, before, after)
+
+    runner.book.change = lose_once  # type: ignore[method-assign]
+    runner.on_stop("/")
+    await asyncio.sleep(2)
+    assert runner.book.all()["a"].held_for == "stop"
+
+
+@in_virtual_time
+async def test_a_goal_is_not_sent_for_a_mission_that_another_gateway_has_just_held() -> None:
+    site = Site(gateways=2)
+    site.server.there = False
+    await site.add(DOCK)
+    await asyncio.sleep(10)
+    first, second = site.runners
+    first.on_stop("/")
+    await asyncio.sleep(0.05)
+    assert first.book.all()["a"].held_for == "stop"
+    site.server.there = True
+    second.wake()
+    await asyncio.sleep(60)
+    assert site.server.goals == {}
+
+
+@in_virtual_time
 async def test_a_mission_that_is_canceled_while_another_gateway_sends_its_goal() -> None:
     """The other gateway cancels the goal that it has sent for nothing."""
     site = Site(gateways=2)

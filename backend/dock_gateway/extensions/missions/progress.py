@@ -234,8 +234,8 @@ def begins_message(before: MissionEntry, after: MissionEntry) -> bool:
 
 
 def has_try(mission: MissionEntry | None, step: int, attempt: int) -> bool:
-    """Return whether a mission is still at this try of this step; None: it has ended."""
-    if mission is None or mission.status.ended or mission.step != step:
+    """Return whether a mission goes on with this try of this step; None: it has ended."""
+    if mission is None or mission.status is not MissionStatus.RUNNING or mission.step != step:
         return False
     return mission.current.status is StepStatus.RUNNING and mission.current.attempt == attempt
 

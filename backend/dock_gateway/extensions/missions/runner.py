@@ -171,6 +171,8 @@ class MissionRunner:
             while (mission := self.book.get(mission_id)) is not None and not mission.status.ended:
                 if mission.robot not in (None, robot):
                     return  # another gateway has given it to another robot
+                if mission.status in (MissionStatus.HELD, MissionStatus.CANCELING):
+                    self._stopped.discard(robot)  # another gateway was first
                 wait = await self._take_step(robot, mission_id, mission)
                 if wait is not None:
                     self.book.set_wait(mission_id, wait.reason)
@@ -206,7 +208,7 @@ class MissionRunner:
                     self._sent[_key(mission_id, after)] = Sent()
                 if facts.goal is not None:
                     self._given_up.discard(facts.goal.goal_id)
-                if after.status is not MissionStatus.RUNNING:
+                if changed and after.status is not MissionStatus.RUNNING:
                     self._stopped.discard(robot)
                 return None
             case Send() if mission.current.is_message:
@@ -266,8 +268,9 @@ class MissionRunner:
             message = await read_goal(step, action)
             if step.verb is not None:
                 await self._docks.require(action, step.request)
-            if mission.robot in self._stopped:
-                return None
+            stored = (await self.book.read()).get(mission_id)
+            if stored is None or stored.revision != mission.revision or mission.robot in self._stopped:
+                return None  # such as one that another gateway holds for a stop
             # No wait from here to the submission, which notices every stop that comes later.
             goal = await action.submitter.submit(message, _key(mission_id, mission), sender=None)
         except (Unavailable, TooManyRequests, DockOccupied) as error:
@@ -283,7 +286,7 @@ class MissionRunner:
             if await self.book.change(mission_id, mission, after):
                 return None
             if not progress.has_try(self.book.get(mission_id), mission.step, step.attempt):
-                await self._cancel(goal)  # it was canceled at another gateway before the goal was sent here
+                await self._cancel(goal)  # another gateway has canceled or held it before the goal was sent here
             return None
         await self.book.change(mission_id, mission, after)
         return None

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 # Seconds within which a mission goes on once nothing is in its way, at least, and in looks of the gateways.
 GOES_ON_AFTER, LOOKS = 300.0, 40
+# Seconds after which a gateway has given up a goal that its server, which was frozen, accepts at last.
+GIVEN_UP_AFTER = 5.0
 # Looks during which a mission may have been queued unnoticed by the gateway that begins another one.
 NOTICED_AFTER = 6
 
@@ -52,6 +54,7 @@ class Checks:
         added: The missions that people have queued, as they were queued.
         ended: Those that have ended, as they were stored.
         counts: How often things have happened.
+        sent_at: When each goal was sent last.
     """
 
     def __init__(self, world: "World") -> None:
@@ -61,6 +64,7 @@ class Checks:
         self.added: dict[str, MissionEntry] = {}
         self.ended: dict[str, MissionEntry] = {}
         self.counts: Counter[str] = Counter()
+        self.sent_at: dict[str, float] = {}
         self._places: dict[str, Place] = {}
         self._goals: defaultdict[str, list[CarriedOut]] = defaultdict(list)  # by tag
         self._keys: dict[str, str] = {}  # the goal that was accepted for each key
@@ -149,6 +153,9 @@ class Checks:
         if server.kind == "dock" and self._world.shares_docks:
             self._check_dock(robot, robot.dock_of(goal.message))
         if goal.tag is None:
+            return
+        if self._now - self.sent_at[goal.goal_id] > GIVEN_UP_AFTER:  # it is canceled at once
+            self._parted.add(goal.goal_id)
             return
         self.counts["steps"] += 1
         key = key_of(self._world.disk, goal.goal_id)

@@ -199,6 +199,7 @@ class World:
     def on_send(self, gateway: Gateway, server: Server, goal_id: str, message: dict[str, Any]) -> None:
         """A gateway sends a goal."""
         self.chance.say(gateway.name, f"sends {goal_id} {message} to {server.name}")
+        self.checks.sent_at[goal_id] = self.chance.loop.time()
         self.checks.sent(gateway, server.robot.name, message)
 
     def on_call(self, gateway: Gateway, service: str, request: dict[str, Any]) -> None:
