@@ -72,7 +72,7 @@ class Client(RouteClient):
         self.templates = Templates(SharedBook(history.documents("template", TemplateEntry), "template", MAX_TEMPLATES))
         self.missions = Missions(
             self.book,
-            cast("Any", SimpleNamespace(wake=lambda: None)),
+            cast("Any", SimpleNamespace(wake=lambda: None, allow=lambda _: None)),
             robots=cast("Any", SimpleNamespace(get=self.get_robot, default_namespace="/")),
             actions=cast("Any", SimpleNamespace(get=lambda name: self if name == "/fibonacci" else None)),
             robot_actions=actions,

@@ -101,7 +101,7 @@ async def open_missions(parts: Parts) -> AsyncIterator[Missions]:
             interlock=interlock,
             members=labels.in_group,
         )
-        _open_schedules(parts, missions, stack)
+        _open_schedules(parts, missions, last_stops, stack)
         yield missions
 
 
@@ -113,13 +113,13 @@ def _stored(parts: Parts) -> tuple[Places, Templates]:
     return parts.add(Places, places), parts.add(Templates, templates)
 
 
-def _open_schedules(parts: Parts, missions: Missions, stack: AsyncExitStack) -> None:
+def _open_schedules(parts: Parts, missions: Missions, last_stops: LastStops, stack: AsyncExitStack) -> None:
     """Queue missions by schedules."""
     store, robots = parts[History].documents("schedule", ScheduleEntry), parts[RobotRegistry]
     book = SharedBook(store, "schedule", MAX_SCHEDULES, BY_THEMSELVES)
     schedules = parts.add(Schedules, Schedules(book, missions, robots))
     stack.enter_context(parts[AlertBoard].sources.adding(schedules.alerts))
-    closed_by(stack, Scheduler(book, missions, robots=robots, share=parts[Share])).start()
+    closed_by(stack, Scheduler(book, missions, robots=robots, last_stops=last_stops, share=parts[Share])).start()
 
 
 extension = Extension(

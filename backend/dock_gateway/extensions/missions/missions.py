@@ -255,7 +255,7 @@ class Missions:
                 return mission.but(allowed_at=utc_now())
             return progress.resume(self._require_held(mission), utc_now())
 
-        return await self._amend(mission_id, grant, revise)
+        return await self._let_go_on(mission_id, grant, revise)
 
     async def skip(self, mission_id: str, grant: Grant) -> Mapping[str, Any]:
         """Let a mission that is held go on without its step; return it.
@@ -263,7 +263,14 @@ class Missions:
         Raises:
             NotFound, Conflict, Unavailable: As `resume`.
         """
-        return await self._amend(mission_id, grant, lambda each: progress.skip(self._require_held(each), utc_now()))
+        return await self._let_go_on(mission_id, grant, lambda each: progress.skip(self._require_held(each), utc_now()))
+
+    async def _let_go_on(
+        self, mission_id: str, grant: Grant, revise: Callable[[MissionEntry], MissionEntry]
+    ) -> Mapping[str, Any]:
+        document = await self._amend(mission_id, grant, revise)
+        self._runner.allow(document["robot"])
+        return document
 
     def _require_held(self, mission: MissionEntry) -> MissionEntry:
         if mission.status is not MissionStatus.HELD:

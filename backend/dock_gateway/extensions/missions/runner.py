@@ -115,9 +115,14 @@ class MissionRunner:
             self.wake()
 
     def on_stop_change(self, robot: str) -> None:
-        """Note that a robot is stopped or released, if missions wait for one of a group."""
-        if self._has_for_groups():
-            self._last_stops.note(robot, self._clock())
+        """Note that a robot is stopped or released."""
+        self._last_stops.note(robot, self._clock())
+        self.wake()
+
+    def allow(self, robot: str | None) -> None:
+        """Let a robot go on that was stopped, as somebody has continued one of its missions."""
+        if robot is not None:
+            self._last_stops.allow(robot)
         self.wake()
 
     def _has_for_groups(self) -> bool:

@@ -10,7 +10,8 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.grant import Grant
 from dock_gateway.core.share import EVERYTHING
 from dock_gateway.extensions.missions.book import MissionBook
-from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
+from dock_gateway.extensions.missions.last_stops import LastStop, LastStops
+from dock_gateway.extensions.missions.mission import HoldReason, MissionEntry, MissionStatus
 from dock_gateway.extensions.missions.schedules.schedule import ScheduleEntry
 from dock_gateway.extensions.missions.schedules.scheduler import Scheduler
 from dock_gateway.extensions.missions.schedules.schedules import BY_THEMSELVES, Schedules
@@ -46,6 +47,7 @@ class Site:
 
     def __init__(self, gateways: int = 1) -> None:
         self.schedules = SharedStore[ScheduleEntry]()
+        self.last_stops = LastStops(SharedStore[LastStop]())
         self.missions, self.past = EntriesInMemory[MissionEntry](), EntriesInMemory[MissionEntry]()
         self.there = True
         self.off = timedelta(0)  # of the clock
@@ -66,7 +68,9 @@ class Site:
         missions = Missions(self)
         book = SharedBook(self.schedules, "schedule", 10, BY_THEMSELVES)
         made = cast("Any", missions)
-        scheduler = Scheduler(book, made, robots=cast("Any", self), share=EVERYTHING, clock=self.now)
+        scheduler = Scheduler(
+            book, made, robots=cast("Any", self), last_stops=self.last_stops, share=EVERYTHING, clock=self.now
+        )
         scheduler.start()
         return Schedules(book, made, cast("Any", self), self.now), missions, scheduler
 
@@ -201,3 +205,22 @@ async def test_one_that_is_off_or_removed_queues_nothing() -> None:
     await site.gateways[0][0].remove("b")
     await asyncio.sleep(5 * HOUR)
     assert site.missions.known == {}
+
+
+@in_virtual_time
+async def test_a_released_stop_starts_no_mission_of_a_schedule() -> None:
+    site = Site()
+    await site.put(if_running="queue")
+    await asyncio.sleep(60)
+    site.last_stops.note("/", site.now())
+    await asyncio.sleep(HOUR)
+    (held,) = site.missions.known.values()
+    assert (held.status, held.held_for) == (MissionStatus.HELD, HoldReason.STOP)
+    site.last_stops.allow("/")
+    await asyncio.sleep(HOUR)
+    assert [each.status for each in site.missions.known.values()] == [MissionStatus.HELD, MissionStatus.QUEUED]
+    site.last_stops.note("/", site.now())
+    await asyncio.sleep(60)
+    await site.put(if_running="queue")  # stored anew since: that is somebody's word, too
+    await asyncio.sleep(HOUR)
+    assert [*site.missions.known.values()][-1].status is MissionStatus.QUEUED

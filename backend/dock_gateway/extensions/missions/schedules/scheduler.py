@@ -4,12 +4,15 @@ import asyncio
 import logging
 from collections.abc import Callable, Mapping
 from datetime import datetime, timedelta
+from typing import Any
 
 from dock_gateway.core.errors import Conflict, GatewayError, NotFound, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import UNLIMITED
 from dock_gateway.core.share import Share
 from dock_gateway.core.tasks import Tasks
+from dock_gateway.extensions.missions.last_stops import LastStops
+from dock_gateway.extensions.missions.mission import HoldReason, MissionStatus
 from dock_gateway.extensions.missions.missions import Missions
 from dock_gateway.extensions.missions.schedules.rule import Run, Skip, decide
 from dock_gateway.extensions.missions.schedules.schedule import Outcome, ScheduleEntry
@@ -31,6 +34,7 @@ class Scheduler:
         book: The schedules.
         missions: The missions.
         robots: The robots.
+        last_stops: When they were last stopped.
         share: The robots that this gateway serves.
         clock: Returns the time.
     """
@@ -41,12 +45,14 @@ class Scheduler:
         missions: Missions,
         *,
         robots: RobotRegistry,
+        last_stops: LastStops,
         share: Share,
         clock: Callable[[], datetime] = utc_now,
     ) -> None:
         self._book = book
         self._missions = missions
         self._robots = robots
+        self._last_stops = last_stops
         self._share = share
         self._clock = clock
         self._waits: dict[str, datetime] = {}  # since when a robot is waited for, by the mission's id
@@ -116,7 +122,8 @@ class Scheduler:
             if not await self._is_queued(run.mission_id):
                 self._robots.get(schedule.robot)
                 mission = await self._missions.make(schedule.mission, schedule.robot, UNLIMITED, None)
-                await self._missions.queue(run.mission_id, mission.model_copy(update={"schedule": schedule_id}))
+                held = await self._held(schedule)
+                await self._missions.queue(run.mission_id, mission.model_copy(update={"schedule": schedule_id, **held}))
         except Unavailable:
             raise
         except GatewayError as error:
@@ -128,6 +135,18 @@ class Scheduler:
         del self._waits[run.mission_id]
         mission_id = run.mission_id if code is None else None
         return Outcome(due_at=run.due_at, decided_at=now, mission_id=mission_id, code=code, detail=detail)
+
+    async def _held(self, schedule: ScheduleEntry) -> dict[str, Any]:
+        """Return the fields of a mission that waits for a person, as its robot was stopped and nobody let it go on.
+
+        Raises:
+            Unavailable: The history does not answer.
+        """
+        await self._last_stops.read()
+        stopped_at = self._last_stops.at(schedule.robot)
+        if stopped_at is None or stopped_at < schedule.changed_at:
+            return {}
+        return {"status": MissionStatus.HELD, "held_for": HoldReason.STOP}
 
     async def _is_queued(self, mission_id: str) -> bool:
         """Return whether there is a mission: a gateway that has queued it was killed before it could say so."""
