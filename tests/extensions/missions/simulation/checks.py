@@ -67,6 +67,7 @@ class Checks:
         self.sent_at: dict[str, float] = {}
         self._places: dict[str, Place] = {}
         self._goals: defaultdict[str, list[CarriedOut]] = defaultdict(list)  # by tag
+        self._carried: defaultdict[str, list[CarriedOut]] = defaultdict(list)  # the same, with those accepted too late
         self._keys: dict[str, str] = {}  # the goal that was accepted for each key
         self._calls: Counter[tuple[str, int]] = Counter()
         self._last: dict[str, int] = {}  # the index of the last step of each mission that was begun at the robot
@@ -96,9 +97,6 @@ class Checks:
         for index, step in enumerate(mission.steps):
             if (tag := tag_of(step)) is not None:
                 self._places[tag] = Place(mission_id, index, any(index in inside for inside in around))
-        own = [each for each in self.stored().values() if robot_of(each) == robot_of(mission)]
-        if not any(each.active or each.status is MissionStatus.QUEUED for each in own):  # it begins at once
-            self.allowed(robot_of(mission))
 
     def allowed(self, robot: str) -> None:
         """Somebody lets a robot go on, or changes what it is to do."""
@@ -122,16 +120,15 @@ class Checks:
         if tag is None:
             return
         began, ended = self._stops.get(robot, (-1.0, -1.0))
-        if tag.startswith("s") and self._is_scheduled_since(robot, began):
-            return
-        if began >= 0 and ended < self._now and self._allowed.get(robot, -1.0) < began:
+        stopped = began >= 0 and ended < self._now and self._allowed.get(robot, -1.0) < began
+        if stopped and not self._is_queued_since(robot, began):
             self.fault(f"{gateway.name} sends {tag} to {robot}, which was stopped at {began:.3f}, and nobody continued")
 
-    def _is_scheduled_since(self, robot: str, at: float) -> bool:
-        """Return whether a schedule has queued the present mission of a robot after a time: it begins by itself."""
+    def _is_queued_since(self, robot: str, at: float) -> bool:
+        """Return whether somebody, or a schedule, has queued the present mission of a robot after a time."""
         since = START_NS / 1e9 + at
         own = (each for each in self.stored().values() if each.active and robot_of(each) == robot)
-        return any(each.schedule is not None and each.created_at.timestamp() > since for each in own)
+        return any(each.created_at.timestamp() > since for each in own)
 
     def called(self, gateway: "Gateway", robot: str, message: Mapping[str, Any]) -> None:
         """A service of a robot is called."""
@@ -154,6 +151,7 @@ class Checks:
             self._check_dock(robot, robot.dock_of(goal.message))
         if goal.tag is None:
             return
+        self._carried[goal.tag].append(goal)
         if self._now - self.sent_at[goal.goal_id] > GIVEN_UP_AFTER:  # it is canceled at once
             self._parted.add(goal.goal_id)
             return
@@ -304,8 +302,7 @@ class Checks:
         for index, step in enumerate(mission.steps):
             tag = tag_of(step)
             if tag is not None and step.call is None and step.status is StepStatus.SUCCEEDED:
-                goals = self._goals[named(tag, mission_id)]
-                done = any(goal.status is GoalStatus.SUCCEEDED for goal in goals)
+                done = any(goal.status is GoalStatus.SUCCEEDED for goal in self._carried[tag])
                 if not done:
                     self.fault(f"{mission_id}: step {index} is said to have succeeded, and no robot has done it")
             left = step.status in (StepStatus.WAITING, StepStatus.RUNNING)
