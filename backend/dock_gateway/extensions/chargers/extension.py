@@ -50,7 +50,7 @@ async def open_chargers(parts: Parts) -> AsyncIterator[DockBoard]:
             stack, DockWatch(docks, fleet, parts[Goals], parts[Share], failures=settings.chargers_failures)
         )
         board = DockBoard(docks, watch, fleet, parts[Fanout])
-        watch.on_look.append(board.publish)
+        stack.enter_context(watch.on_look.adding(board.publish))
         stack.enter_context(actions.gates.adding(docks.admit))
         for listeners in (actions.on_end, actions.on_lost):
             stack.enter_context(listeners.adding(watch.wake))
