@@ -18,6 +18,7 @@ from fastapi import APIRouter
 from prometheus_client import Metric
 from pydantic import BaseModel
 
+from dock_gateway.access.tool import Tool
 from dock_gateway.core.error_codes import ErrorCode
 from dock_gateway.core.event import utc_now
 from dock_gateway.extension_list import OURS, PACKAGE, find_entry_point, further_names
@@ -56,6 +57,7 @@ class Extension:
         errors: The error codes that it adds.
         limits: Returns what users share of it, by name.
         metrics: Returns the metrics of its part, also of None.
+        tools: The tools that it adds for agents, where they are let in.
         goal_field: The field that it adds to the goals of the REST API.
         card: A file with an ES module that defines the custom element `NAME-card`, which a robot's page shows. For an
             extension of another distribution: ours are built into the dashboard.
@@ -70,6 +72,7 @@ class Extension:
     errors: Sequence[ErrorCode] = ()
     limits: Callable[[Settings], Mapping[str, Limit]] = field(default=lambda _: {})
     metrics: Callable[[Any], Iterable[Metric]] = field(default=lambda _: ())
+    tools: Sequence[Tool] = ()
     goal_field: GoalField | None = None
     card: Path | None = None
 
@@ -138,6 +141,11 @@ class Installed:
     def errors(self) -> list[ErrorCode]:
         """The error codes that they add."""
         return [code for each in self for code in each.errors]
+
+    @property
+    def tools(self) -> list[Tool]:
+        """The tools that they add for agents, of those that are open."""
+        return [tool for each in self if each.name not in self.failed for tool in each.tools]
 
     def limits(self, settings: Settings) -> dict[str, Limit]:
         """Return what users share of them, by name."""

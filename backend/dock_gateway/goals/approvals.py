@@ -103,9 +103,9 @@ class Approvals:
             TooManyRequests: Too many goals wait already (`too_many_approvals`).
             Unavailable: The gateway closes.
         """
-        robot = self._robot_of(action_name)
-        if principal.grant.role is not Role.AGENT or self._is_simulated(action_name, robot):
+        if not self.needs(principal.grant, action_name):
             return
+        robot = self._robot_of(action_name)
         with slot("approvals"):
             approval = self._ask(principal, action_name, robot, goal)
             try:
@@ -120,6 +120,10 @@ class Approvals:
             )
         if (refused := approval.refused.result()) is not None:
             raise refused
+
+    def needs(self, grant: Grant, action_name: str) -> bool:
+        """Return whether a goal needs a person: an agent sends it, and not to a simulated robot."""
+        return grant.role is Role.AGENT and not self._is_simulated(action_name, self._robot_of(action_name))
 
     def _ask(self, principal: Principal, action_name: str, robot: str, goal: Json) -> Approval:
         now = utc_now()

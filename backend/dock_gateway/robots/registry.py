@@ -88,6 +88,8 @@ class RobotRegistry:
         self.on_scan = Listeners[[Scan]]("the ROS graph was scanned")
         self.before_removal = Hooks[Callable[[str], Awaitable[None]]]()  # called with the robot
         self.at_work = Hooks[Callable[[str], bool]]()  # whether a robot has work that lasts longer than a goal
+        # Asks whoever has a robot at work to let it charge, below this charge (0 to 1).
+        self.on_low_battery = Listeners[[str, float]]("a robot at work has to charge")
 
     async def scanned(self, found: Scan) -> None:
         """Pass on a scan of the ROS graph."""

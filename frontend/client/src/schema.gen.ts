@@ -591,6 +591,8 @@ export interface paths {
          *
          *     It begins when no other one of the robot is on its way, and none comes first.
          *
+         *     One of an agent that moves a real robot is `held` for `approval`: it begins after an operator has continued it.
+         *
          *     With the same `Idempotency-Key`, a request that is sent twice makes one mission.
          */
         post: operations["create_mission"];
@@ -2429,7 +2431,7 @@ export interface components {
          * @description The kinds of alerts.
          * @enum {string}
          */
-        AlertKind: "stop_latched" | "goal_lost" | "discharging_on_dock" | "low_battery" | "battery_implausible" | "battery_stale" | "history_lost" | "extension_failed" | "duplicate_action_server" | "split_robot" | "site_unreachable" | "site_refused" | "wrong_topic_type" | "duplicate_base" | "robot_seen_twice" | "robots_claimed_twice" | "commands_lost" | "recordings_failed" | "automatic_docking_failed" | "dock_out_of_order" | "no_contact_at_dock" | "dock_contested" | "mission_notice" | "schedule_failed";
+        AlertKind: "stop_latched" | "goal_lost" | "discharging_on_dock" | "low_battery" | "battery_implausible" | "battery_stale" | "history_lost" | "extension_failed" | "duplicate_action_server" | "split_robot" | "site_unreachable" | "site_refused" | "wrong_topic_type" | "duplicate_base" | "robot_seen_twice" | "robots_claimed_twice" | "commands_lost" | "recordings_failed" | "automatic_docking_failed" | "dock_out_of_order" | "no_contact_at_dock" | "dock_contested" | "mission_notice" | "schedule_failed" | "mission_return_failed" | "mission_unapproved";
         /**
          * AlertList
          * @description The active alerts: critical ones first, then oldest first.
@@ -2712,6 +2714,24 @@ export interface components {
             temperature: components["schemas"]["Measured"];
             /** Power Supply Status */
             power_supply_status: number[];
+        };
+        /**
+         * BatteryLimits
+         * @description Below which charge the robot returns to its dock, and to which it charges there: 0 to 1.
+         *
+         *     `charge_to` is 0.05 above `below` at least.
+         */
+        BatteryLimits: {
+            /**
+             * Below
+             * @description Charge, 0 to 1
+             */
+            below: number;
+            /**
+             * Charge To
+             * @description Charge, 0 to 1
+             */
+            charge_to: number;
         };
         /**
          * BatteryState
@@ -4133,10 +4153,12 @@ export interface components {
          *
          *     `stop`: the robot was stopped. `canceled`: the goal of its step was canceled, and not by the mission. `lost`:
          *     nobody knows what the robot did: contact was lost during that goal, and it takes too long, or the gateway ended
-         *     during a call or a message. `person`: its step waits for a person. `paused`: it was paused.
+         *     during a call or a message. `person`: its step waits for a person. `paused`: it was paused. `recharge`: its robot
+         *     did not reach its dock, or its charge, or did not leave its dock. `approval`: an agent has asked for it, and no
+         *     person has allowed it yet.
          * @enum {string}
          */
-        HoldReason: "stop" | "canceled" | "lost" | "person" | "paused";
+        HoldReason: "stop" | "canceled" | "lost" | "person" | "paused" | "recharge" | "approval";
         /**
          * HubConnection
          * @description Whether the hub of a site reaches it, and since when; `code` and `detail` say why it does not.
@@ -4404,7 +4426,8 @@ export interface components {
          * @description A mission.
          *
          *     `held_for` says why it does not go on until somebody continues it, and `waits_for` what it waits for otherwise; null
-         *     if that is not known, or it has ended.
+         *     if that is not known, or it has ended. `recharge` is its break for the battery of its robot; null: it
+         *     is at its step.
          */
         Mission: {
             /**
@@ -4428,6 +4451,8 @@ export interface components {
              * @default 0
              */
             order: number;
+            /** @default null */
+            battery: components["schemas"]["BatteryLimits"] | null;
             status: components["schemas"]["MissionStatus"];
             held_for: components["schemas"]["HoldReason"] | null;
             /**
@@ -4469,6 +4494,7 @@ export interface components {
             /** Mission Id */
             mission_id: string;
             waits_for: components["schemas"]["WaitsFor"] | null;
+            recharge: components["schemas"]["MissionRecharge"] | null;
             /** Steps */
             steps: components["schemas"]["MissionStep"][];
         };
@@ -4483,6 +4509,7 @@ export interface components {
             name: string | null;
             /** Priority */
             priority: number | null;
+            battery: components["schemas"]["BatteryLimits"] | null;
             /** Steps */
             steps: components["schemas"]["StepFields"][] | null;
             /** Template */
@@ -4518,6 +4545,28 @@ export interface components {
             missions: components["schemas"]["Mission"][];
             /** Next Cursor */
             next_cursor: string | null;
+        };
+        /**
+         * MissionRecharge
+         * @description A break of a mission for the battery of its robot, which goes on with its step afterwards.
+         *
+         *     `tried` counts the tries that have failed, `goal_id` is the goal that docks or undocks the robot, and `error` says
+         *     what the last try ended with.
+         */
+        MissionRecharge: {
+            /** Number */
+            number: number;
+            stage: components["schemas"]["RechargeStage"];
+            /**
+             * Started At
+             * Format: date-time
+             */
+            started_at: string;
+            /** Tried */
+            tried: number;
+            /** Goal Id */
+            goal_id: string | null;
+            error: components["schemas"]["Reason"] | null;
         };
         /**
          * MissionSchedule
@@ -4625,6 +4674,11 @@ export interface components {
              * @default end
              */
             on_failure: components["schemas"]["FailurePolicy"] | components["schemas"]["GoTo"];
+            /**
+             * Interruptible
+             * @default false
+             */
+            interruptible: boolean;
             /** Path */
             path: string;
             /** @default null */
@@ -5333,6 +5387,12 @@ export interface components {
             /** Detail */
             detail: string;
         };
+        /**
+         * RechargeStage
+         * @description What the robot does during a break for its battery: `undocking` comes before a step that moves it.
+         * @enum {string}
+         */
+        RechargeStage: "docking" | "charging" | "undocking";
         /**
          * ReleaseAck
          * @description The answer to `release_stop`.
@@ -6263,6 +6323,11 @@ export interface components {
              * @default end
              */
             on_failure: components["schemas"]["FailurePolicy"] | components["schemas"]["GoTo"];
+            /**
+             * Interruptible
+             * @default false
+             */
+            interruptible: boolean;
             repeat: components["schemas"]["RepeatStep"] | null;
             /** First That Works */
             first_that_works: {
@@ -10463,6 +10528,12 @@ export interface operations {
                 "application/json": {
                     name?: string | null;
                     priority?: number | null;
+                    battery?: {
+                        /** @description Charge, 0 to 1 */
+                        below: number;
+                        /** @description Charge, 0 to 1 */
+                        charge_to: number;
+                    } | null;
                     steps?: {
                         dock?: {
                             [key: string]: unknown;
@@ -10529,6 +10600,8 @@ export interface operations {
                         on_failure?: ("end" | "next") | {
                             go_to: string;
                         };
+                        /** @default false */
+                        interruptible?: boolean;
                         repeat?: {
                             /** @description Steps, as those of a mission */
                             steps: {
@@ -10767,6 +10840,12 @@ export interface operations {
                 "application/json": {
                     name?: string | null;
                     priority?: number | null;
+                    battery?: {
+                        /** @description Charge, 0 to 1 */
+                        below: number;
+                        /** @description Charge, 0 to 1 */
+                        charge_to: number;
+                    } | null;
                     steps?: {
                         dock?: {
                             [key: string]: unknown;
@@ -10833,6 +10912,8 @@ export interface operations {
                         on_failure?: ("end" | "next") | {
                             go_to: string;
                         };
+                        /** @default false */
+                        interruptible?: boolean;
                         repeat?: {
                             /** @description Steps, as those of a mission */
                             steps: {
@@ -12314,6 +12395,12 @@ export interface operations {
                     mission: {
                         name?: string | null;
                         priority?: number | null;
+                        battery?: {
+                            /** @description Charge, 0 to 1 */
+                            below: number;
+                            /** @description Charge, 0 to 1 */
+                            charge_to: number;
+                        } | null;
                         steps?: {
                             dock?: {
                                 [key: string]: unknown;
@@ -12380,6 +12467,8 @@ export interface operations {
                             on_failure?: ("end" | "next") | {
                                 go_to: string;
                             };
+                            /** @default false */
+                            interruptible?: boolean;
                             repeat?: {
                                 /** @description Steps, as those of a mission */
                                 steps: {

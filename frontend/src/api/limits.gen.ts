@@ -9,6 +9,8 @@ export const LIMITS = {
   "POST /missions": {
     "name": { maxLength: 60 },
     "priority": { minimum: 0, maximum: 100 },
+    "battery.below": { maximum: 0.95 },
+    "battery.charge_to": { maximum: 1 },
     "steps": { maxItems: 200 },
     "steps[].action.name": { maxLength: 255 },
     "steps[].navigate.pose.x": { minimum: -1000000, maximum: 1000000 },

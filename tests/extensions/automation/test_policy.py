@@ -10,7 +10,17 @@ from dock_gateway.extensions.automation.decision import DecisionOutcome, RuleMod
 from dock_gateway.extensions.automation.past import MAX_ATTEMPTS, require_free
 from dock_gateway.extensions.automation.rule import BatteryCondition
 from dock_gateway.http.schema import RobotSelection
-from tests.extensions.automation.examples import AT_ONE, EMPTY, LOW_BATTERY, NOON, Site, changed, decision_entry, robot
+from tests.extensions.automation.examples import (
+    AT_ONE,
+    EMPTY,
+    LOW_BATTERY,
+    LUNCH,
+    NOON,
+    Site,
+    changed,
+    decision_entry,
+    robot,
+)
 
 FULL = robot(battery=0.9)
 DUE = 600.0  # the seconds past noon at which AT_ONE is due
@@ -275,3 +285,36 @@ def test_a_rule_that_was_switched_off_since(site: Site) -> None:
     site.look(0)
     for rule in (None, changed(LOW_BATTERY, mode=RuleMode.OFF), changed(LOW_BATTERY, mode=RuleMode.DRY_RUN)):
         assert site.policy.obstacle("low", rule, EMPTY, 60.0) is WaitReason.OFF
+
+
+@pytest.mark.parametrize(
+    ("rule", "facts", "asked"),
+    [
+        ({}, {}, {"/robot1": 0.2}),
+        ({"battery": BatteryCondition(below=0.95, idle_s=60)}, {}, {"/robot1": 0.2}),
+        ({"battery": BatteryCondition(below=0.95, idle_s=60)}, {"battery": 0.2}, {}),
+        ({"battery": BatteryCondition(below=0.15, idle_s=60)}, {}, {"/robot1": 0.15}),
+        ({}, {"goal_running": True, "still_since": None}, {"/robot1": 0.2}),
+        ({}, {"held": True}, {"/robot1": 0.2}),  # somebody has let its mission go on
+        ({}, {"stopped": "stopped"}, {}),
+        ({}, {"battery": 0.2}, {}),
+        ({}, {"battery": None}, {}),
+        ({}, {"fresh": False}, {}),
+        ({}, {"at_work": False}, {}),
+        ({"mode": RuleMode.DRY_RUN}, {}, {}),
+        ({"battery": None, "schedule": LUNCH}, {}, {}),
+    ],
+)
+def test_whose_mission_is_asked_to_let_its_robot_charge(
+    rule: dict[str, Any], facts: dict[str, Any], asked: dict[str, float]
+) -> None:
+    site = Site(low=changed(LOW_BATTERY, **rule))
+    assert site.look(100.0, robot(**{"at_work": True} | facts)) == []
+    assert site.verdict.asked == asked
+
+
+def test_the_higher_limit_of_two_rules_counts_for_a_mission() -> None:
+    high = changed(LOW_BATTERY, battery=BatteryCondition(below=0.15, idle_s=60))
+    site = Site(a=LOW_BATTERY, b=high)
+    site.look(0.0, robot(at_work=True))
+    assert site.verdict.asked == {"/robot1": 0.2}

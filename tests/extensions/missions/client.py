@@ -3,9 +3,14 @@
 from types import SimpleNamespace
 from typing import Any, cast
 
+import orjson
+
+from dock_gateway.core.access import Principal, PrincipalKind
 from dock_gateway.core.allow_list import AllowList
 from dock_gateway.core.errors import Conflict, FieldError, InvalidField, NotFound
 from dock_gateway.core.fanout import Fanout
+from dock_gateway.core.goal import encode
+from dock_gateway.core.grant import Grant, Role
 from dock_gateway.extensions.missions.actions import covers
 from dock_gateway.extensions.missions.book import MissionBook
 from dock_gateway.extensions.missions.messages import Messages
@@ -17,6 +22,7 @@ from dock_gateway.extensions.missions.schedules.schedule import ScheduleEntry
 from dock_gateway.extensions.missions.schedules.schedules import BY_THEMSELVES, MAX_SCHEDULES, Schedules
 from dock_gateway.extensions.missions.templates.template import TemplateEntry
 from dock_gateway.extensions.missions.templates.templates import MAX_TEMPLATES, Templates
+from dock_gateway.extensions.missions.tools import TOOLS
 from dock_gateway.goals.known_robots import KnownRobots
 from dock_gateway.graph.publishing import FoundTopic, Publishing
 from dock_gateway.graph.service_calls import FoundService, ServiceCalls
@@ -25,6 +31,7 @@ from tests.support.history import HistoryInMemory
 from tests.support.robot_actions import make_known_robots
 from tests.support.route_client import RouteClient
 
+AGENT = Principal("planner", PrincipalKind.TOKEN, Grant(Role.AGENT), "a")
 PLAIN = {"steps": [{"dock": {}}, {"wait": {"seconds": 2}}, {"undock": {}}]}
 
 
@@ -81,7 +88,9 @@ class Client(RouteClient):
             templates=self.templates,
             interlock=cast("Any", self),
             members=self.members,
+            approvals=cast("Any", SimpleNamespace(needs=self.needs)),
         )
+        self.parts = cast("Any", {Missions: self.missions})
         store = history.documents("schedule", ScheduleEntry)
         self.schedules = Schedules(
             SharedBook(store, "schedule", MAX_SCHEDULES, BY_THEMSELVES),
@@ -107,6 +116,10 @@ class Client(RouteClient):
     def members(group: str) -> set[str]:
         """Stand in for the labels of robots."""
         return {"/robot1", "/robot2"} if group == "pickers" else set()
+
+    def needs(self, grant: Grant, action_name: str) -> bool:
+        """Stand in for the approvals: `/robot1` is simulated."""
+        return grant.role is Role.AGENT and not action_name.startswith("/robot1/")
 
     def docking_name(self, verb: str, robot: str) -> str:
         """Stand in for the actions of robots."""
@@ -144,6 +157,18 @@ class Client(RouteClient):
         found = self.send("GET", "/missions?status=queued")["missions"]
         found.sort(key=lambda each: (-each["priority"], each["order"], each["created_at"]))
         return [each["mission_id"] for each in found]
+
+    def ask(self, robot: str, *steps: dict[str, Any], **fields: Any) -> dict[str, Any]:
+        """Queue a mission as an agent does by its tool; return it."""
+
+        async def ask() -> Any:
+            tool = next(tool for tool in TOOLS if tool.name == "create_mission")
+            arguments = tool.read({"robot": robot, "steps": [*steps], **fields})
+            return await tool.command(self.parts, AGENT, arguments)
+
+        assert self.http.portal is not None
+        answer: dict[str, Any] = orjson.loads(encode(self.http.portal.call(ask)["mission"]))
+        return answer
 
     def ids(self, query: str = "") -> list[str]:
         return [mission["mission_id"] for mission in self.send("GET", f"/missions{query}")["missions"]]

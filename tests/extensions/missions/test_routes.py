@@ -7,16 +7,19 @@ from typing import Any, cast
 
 import pytest
 
-from dock_gateway.core.errors import NotAllowed
+from dock_gateway.core.errors import Conflict, NotAllowed
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.share import Share
 from dock_gateway.extensions.missions.actions import action_of, covers
-from dock_gateway.extensions.missions.book import MAX_MISSIONS
+from dock_gateway.extensions.missions.book import MAX_MISSIONS, MAX_OF_AGENTS
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
+from dock_gateway.extensions.missions.notices import alerts_of_holds
 from dock_gateway.extensions.missions.places.place import PlaceBody
+from dock_gateway.extensions.missions.routes import router
 from dock_gateway.extensions.missions.schema import MissionBody
 from dock_gateway.extensions.missions.step import KINDS, StepFields
 from dock_gateway.extensions.missions.step_kinds import NavigateStep, Waypoint
+from dock_gateway.extensions.missions.tools import TOOLS
 from tests.extensions.missions.client import PLAIN, Client
 from tests.extensions.missions.examples import DOCK, NOON, queued
 
@@ -351,3 +354,55 @@ def _flat(stamped: dict[str, Any]) -> list[Any]:
     """Return the frame, x and y of a position, and z and w of an orientation."""
     pose = stamped["pose"]
     return [stamped["header"]["frame_id"], *pose["position"].values(), *pose["orientation"].values()]
+
+
+@pytest.mark.parametrize(
+    ("robot", "step", "held_for"),
+    [
+        ("/", {"dock": {}}, "approval"),
+        ("/", {"wait": {"seconds": 1}}, "approval"),  # the robot is not another one's meanwhile
+        ("/robot1", {"dock": {}}, None),
+        ("/robot1", {"action": {"name": "/fibonacci", "goal": {"order": 1}}}, "approval"),
+        ("/robot1", {"call": {"service": "/reset"}}, "approval"),
+        ("/robot1", {"repeat": {"times": 2, "steps": [{"publish": {"topic": "/light"}}]}}, "approval"),
+        ("/robot1", {"wait": {"until": "2026-12-01T06:00:00+01:00"}, "interruptible": False}, None),
+    ],
+)
+def test_a_person_allows_what_an_agent_does_to_a_real_robot(
+    client: Client, robot: str, step: dict[str, Any], held_for: str | None
+) -> None:
+    mission = client.ask(robot, step, battery={"below": 0.2, "charge_to": 0.8})
+    assert (mission["held_for"], mission["created_by"]) == (held_for, "planner")
+    assert mission["status"] == ("queued" if held_for is None else "held")
+    assert client.get(mission["mission_id"]) == mission
+    alerts = [*alerts_of_holds(client.book.all().values())]
+    assert [alert.kind.value for alert in alerts] == ([] if held_for is None else ["mission_unapproved"])
+    if held_for is not None:
+        assert client.change(mission["mission_id"], "continue")["status"] == "queued"
+        assert [*alerts_of_holds(client.book.all().values())] == []
+
+
+def test_a_call_of_an_agent_that_is_repeated_makes_one_mission(client: Client) -> None:
+    first, again = (client.ask("/", {"dock": {}}, idempotency_key="a") for _ in range(2))
+    assert first["mission_id"] == again["mission_id"]
+    assert client.ask("/", {"dock": {}})["mission_id"] != first["mission_id"]
+
+
+def test_agents_leave_room_for_people(client: Client) -> None:
+    for _ in range(MAX_OF_AGENTS):
+        client.ask("/", {"dock": {}})
+    with pytest.raises(Conflict) as refused:
+        client.ask("/robot1", {"dock": {}})
+    assert refused.value.code == "limit_reached"
+    assert client.post()["status"] == "queued"
+
+
+def test_agents_continue_nothing() -> None:
+    needed = {route.name: route.endpoint.operation.role for route in router.routes}  # type: ignore[attr-defined]
+    assert {name for name, role in needed.items() if role is Role.OPERATOR} == {
+        "continue_mission",
+        "move_mission",
+        "replace_mission",
+        "skip_step",
+    }
+    assert not {tool.name for tool in TOOLS} & {"continue_mission", "skip_step"}

@@ -10,6 +10,7 @@ from typing import Any, cast
 
 import pytest
 
+from dock_gateway.core.battery import BatteryReading, PowerSupply
 from dock_gateway.core.errors import Conflict, DockOccupied, GatewayError, NotFound, Unavailable
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalStatus
@@ -108,10 +109,15 @@ class Server:
 
 
 class Robots:
-    """The robot `/`, whose battery is not known."""
+    """The robot `/`, whose battery is not known until a test says what it is."""
 
     def __init__(self) -> None:
-        self.robot = SimpleNamespace(namespace="/", battery=SimpleNamespace(age=None))
+        self.battery = SimpleNamespace(age=None, stale_since=None, reading=BatteryReading())
+        self.robot = SimpleNamespace(namespace="/", battery=self.battery)
+
+    def say(self, percentage: float, power_supply: PowerSupply) -> None:
+        """Let the battery have this charge."""
+        self.battery.age, self.battery.reading = 0.1, BatteryReading(power_supply, percentage)
 
     def __contains__(self, _: str) -> bool:
         return True
@@ -136,6 +142,7 @@ class Site:
         self.stops = SharedStore[LastStop]()
         self.last_stops: list[LastStops] = []
         self.server = Server()
+        self.robots = Robots()
         self.held = False
         self.free: dict[str, RobotFacts] = {}
         self.runners = [self.open() for _ in range(gateways)]
@@ -154,7 +161,7 @@ class Site:
         self.last_stops.append(LastStops(self.stops))
         runner = MissionRunner(
             book,
-            robots=cast("Any", Robots()),
+            robots=cast("Any", self.robots),
             actions=cast(
                 "Any", SimpleNamespace(get=lambda _: action if server.there else None, running=server.running)
             ),
@@ -524,3 +531,71 @@ async def test_a_step_that_waits_for_its_dock_fails_in_time() -> None:
     mission = await site.ended()
     error = mission.steps[0].error
     assert (mission.status, error and error.code) == (MissionStatus.FAILED, "step_timeout")
+
+
+LIMITS = {"below": 0.25, "charge_to": 0.8}
+
+
+@in_virtual_time
+async def test_a_robot_charges_and_its_mission_goes_on() -> None:
+    site = Site(gateways=2)
+    site.robots.say(0.2, PowerSupply.DISCHARGING)
+    await site.add(FIBONACCI, battery=LIMITS)
+    await asyncio.sleep(15)
+    site.robots.say(0.3, PowerSupply.CHARGING)
+    await asyncio.sleep(100)
+    (book, _) = (runner.book for runner in site.runners)
+    recharge = book.describe("a", book.all()["a"])["recharge"]
+    assert (recharge["stage"], book.waits["a"]) == ("charging", "battery")
+    site.robots.say(0.8, PowerSupply.CHARGING)
+    mission = await site.ended()
+    assert (mission.status, mission.steps[0].attempt) == (MissionStatus.SUCCEEDED, 1)
+    assert [*site.server.goals] == ["mission-a-recharge-1-1", "mission-a-recharge-2-1", "mission-a-0-1"]
+
+
+@in_virtual_time
+async def test_a_break_survives_its_gateway_with_each_goal_sent_once() -> None:
+    site = Site()
+    site.robots.say(0.2, PowerSupply.DISCHARGING)
+    await site.add(FIBONACCI, battery=LIMITS)
+    for seconds in (0.005, 5.0, 15.0):  # while the goal is on its way, while it runs, and on the dock
+        await asyncio.sleep(seconds)
+        await site.runners[-1].close()
+        site.runners.append(site.open())
+    site.robots.say(0.9, PowerSupply.CHARGING)
+    assert (await site.ended()).status is MissionStatus.SUCCEEDED
+    assert [*site.server.goals] == ["mission-a-recharge-1-1", "mission-a-recharge-2-1", "mission-a-0-1"]
+
+
+@in_virtual_time
+async def test_a_battery_that_is_stale_is_not_low() -> None:
+    site = Site()
+    site.robots.say(0.1, PowerSupply.DISCHARGING)
+    site.robots.battery.stale_since = 1.0
+    await site.add(FIBONACCI, battery=LIMITS)
+    assert (await site.ended()).recharges == 0
+
+
+@in_virtual_time
+async def test_a_rule_asks_a_mission_that_says_nothing_to_return() -> None:
+    site = Site(gateways=2)
+    runner = site.runners[0]
+    site.robots.say(0.15, PowerSupply.DISCHARGING)
+    await site.add({"wait": {"seconds": 500}}, FIBONACCI)
+    await site.add(DOCK, mission_id="b")
+    await asyncio.sleep(5)
+    assert site.server.goals == {}
+    for _ in range(3):
+        runner.ask_to_charge("/", 0.2)
+        runner.ask_to_charge("/robot1", 0.2)
+        await asyncio.sleep(1)
+    asked = runner.book.all()["a"].asked_battery
+    assert asked is not None
+    assert (asked.below, asked.charge_to, runner.book.all()["b"].asked_battery) == (0.2, 0.8, None)
+    assert [*site.server.goals] == ["mission-a-recharge-1-1"]
+    own = runner.book.all()["b"].but(status=MissionStatus.RUNNING, battery=asked)
+    site.store.known["b"] = own
+    await runner.book.read()
+    runner.ask_to_charge("/", 0.1)
+    await asyncio.sleep(1)
+    assert runner.book.all()["b"].asked_battery is None

@@ -18,12 +18,13 @@ from mcp_types.version import MODERN_PROTOCOL_VERSIONS
 from starlette.requests import Request
 
 from dock_gateway.access.carry_out import Command, Fields, carry_out
+from dock_gateway.access.tool import Tool
 from dock_gateway.core.access import Principal, PrincipalKind
 from dock_gateway.core.errors import NotFound
 from dock_gateway.extensions.agents.reading import follow, goal_document
 from dock_gateway.extensions.agents.schema import GoalAnswer
 from dock_gateway.extensions.agents.settings import AgentSettings
-from dock_gateway.extensions.agents.tools import STOP_TOOL, Tool, answer_approval
+from dock_gateway.extensions.agents.tools import STOP_TOOL, answer_approval
 from dock_gateway.goals.approvals import Approval, Approvals
 from dock_gateway.goals.goals import Goals
 from dock_gateway.http.parts import Parts, parts_of

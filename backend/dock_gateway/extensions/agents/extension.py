@@ -5,7 +5,7 @@ from contextlib import asynccontextmanager
 
 from fastapi import APIRouter
 
-from dock_gateway.extension import Extension
+from dock_gateway.extension import Extension, Installed
 from dock_gateway.extensions.agents.settings import AgentSettings
 from dock_gateway.http.parts import Parts
 from dock_gateway.settings import Settings
@@ -19,7 +19,7 @@ async def open_agents(parts: Parts) -> AsyncIterator[object]:
         return
     from dock_gateway.extensions.agents.server import AgentServer  # noqa: PLC0415 - see above
 
-    server = AgentServer()
+    server = AgentServer(lambda: parts[Installed].tools)
     async with server.running():
         yield server
 

@@ -4,8 +4,9 @@
 """
 
 import logging
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable, Iterable
 from contextlib import asynccontextmanager
+from typing import Any
 
 import orjson
 from mcp import MCPError
@@ -28,10 +29,11 @@ from starlette.types import Scope as ConnectionScope
 
 from dock_gateway import __version__
 from dock_gateway.access.carry_out import Fields
+from dock_gateway.access.tool import Tool
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.goal import encode
 from dock_gateway.extensions.agents.calls import Call, Context, Questions
-from dock_gateway.extensions.agents.tools import TOOLS, Tool
+from dock_gateway.extensions.agents.tools import TOOLS
 from dock_gateway.http.bodies import body_schema
 from dock_gateway.http.parts import parts_of
 from dock_gateway.http.problems import INTERNAL
@@ -48,9 +50,14 @@ INSTRUCTIONS = (
 
 
 class AgentServer:
-    """Answers the requests at `/mcp`."""
+    """Answers the requests at `/mcp`.
 
-    def __init__(self) -> None:
+    Args:
+        further: Returns the tools of other extensions.
+    """
+
+    def __init__(self, further: Callable[[], Iterable[Tool]] = tuple) -> None:
+        self._further = further
         self._questions = Questions()
         server = Server(
             "dock-gateway",
@@ -59,7 +66,7 @@ class AgentServer:
             instructions=INSTRUCTIONS,
             on_list_tools=self._list_tools,
             on_call_tool=self._call_tool,
-            get_tool_input_schema=lambda name: body_schema(TOOLS[name].takes) if name in TOOLS else None,
+            get_tool_input_schema=self._schema_of,
         )
         self._manager = StreamableHTTPSessionManager(server, stateless=True)
 
@@ -74,13 +81,22 @@ class AgentServer:
         timeout = parts_of(Request(scope))[Settings].subscriber_timeout
         await self._manager.handle_request(scope, receive, lambda message: send_in_time(send, message, timeout))
 
+    def _tools(self) -> dict[str, Tool]:
+        """Return all tools, by their names. Those of extensions come last."""
+        return {tool.name: tool for tool in (*TOOLS.values(), *self._further())}
+
+    def _schema_of(self, name: str) -> dict[str, Any] | None:
+        tool = self._tools().get(name)
+        return None if tool is None else body_schema(tool.takes)
+
     async def _list_tools(self, _: Context, __: PaginatedRequestParams | None) -> ListToolsResult:
-        return ListToolsResult(tools=[_describe(tool) for tool in TOOLS.values()])
+        return ListToolsResult(tools=[_describe(tool) for tool in self._tools().values()])
 
     async def _call_tool(self, context: Context, params: CallToolRequestParams) -> CallToolResult | InputRequiredResult:
-        tool = TOOLS.get(params.name)
+        tools = self._tools()
+        tool = tools.get(params.name)
         if tool is None:
-            raise MCPError(INVALID_PARAMS, f"there is no tool {params.name[:100]!r}; there are {', '.join(TOOLS)}")
+            raise MCPError(INVALID_PARAMS, f"there is no tool {params.name[:100]!r}; there are {', '.join(tools)}")
         try:
             answer = await Call(context, tool, params, self._questions).carry_out()
         except GatewayError as error:

@@ -4,7 +4,7 @@ import asyncio
 import logging
 import time
 import uuid
-from collections.abc import Coroutine
+from collections.abc import Callable, Coroutine
 from datetime import timedelta
 
 from dock_gateway.core.errors import Conflict, DockOccupied, GatewayError, Unavailable, is_by_stop
@@ -42,6 +42,7 @@ class AutomaticDocking:
         actions: All actions.
         robot_actions: Which of them dock each robot.
         history: Finds goals that were sent before a restart.
+        ask: Asks the mission of a robot to let it charge, below a charge (0 to 1).
         interval: See `INTERVAL`.
         sync_every: See `SYNC_EVERY`.
     """
@@ -55,9 +56,11 @@ class AutomaticDocking:
         actions: ActionRegistry,
         robot_actions: RobotActions,
         history: History,
+        ask: Callable[[str, float], None] = lambda *_: None,
         interval: float = INTERVAL,
         sync_every: int = SYNC_EVERY,
     ) -> None:
+        self._ask = ask
         self._interval = interval
         self._sync_every = sync_every
         self._rules = rules
@@ -108,6 +111,8 @@ class AutomaticDocking:
         verdict = self._policy.decide(self._book.all(), facts.values(), decisions, utc_now(), time.monotonic())
         self._rules.waits = verdict.waits
         self._activity.watch(verdict.watched)
+        for robot, below in verdict.asked.items():
+            self._ask(robot, below)
         if not self._answers:
             self._rules.waits |= {
                 (each.rule_id, each.robot): WaitReason.HISTORY_UNAVAILABLE for each in verdict.decisions

@@ -63,6 +63,7 @@ async def open_automation(parts: Parts) -> AsyncIterator[DockingRules]:
             actions=actions,
             robot_actions=parts[RobotActions],
             history=history,
+            ask=robots.on_low_battery,
         )
         closed_by(stack, docking).start()
         yield rules

@@ -23,6 +23,9 @@ STILL_FOR = 10.0
 DUE_FOR = timedelta(minutes=2)
 # How much longer it is recorded which of them were not docked.
 RECORDED_FOR = timedelta(seconds=30)
+# The charge (0 to 1) below which a rule asks a mission to let its robot charge, unless the rule's own limit is lower:
+# a rule that keeps robots on their chargers does not call them from their work.
+ASK_BELOW = 0.2
 # How long before a time of day it is watched whether robots move.
 WATCHED_BEFORE = timedelta(seconds=30)
 
@@ -79,12 +82,15 @@ class Verdict:
             docked, or their rule is off or gone.
         waits: Why rules do not dock robots now.
         watched: The robots that are about to be docked, unless they move.
+        asked: The robots at work whose battery is low, with the charge (0 to 1) below which that is so: a rule does not
+            dock them, it asks their mission to let them charge.
     """
 
     decisions: list[DecisionEntry] = field(default_factory=list)
     recovered: list[str] = field(default_factory=list)
     waits: dict[Key, WaitReason] = field(default_factory=dict)
     watched: set[str] = field(default_factory=set)
+    asked: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -168,6 +174,8 @@ class DockingPolicy:
         due = None if rule.schedule is None else self._due(verdict, past, case)
         outcome = None
         wait = self._unmet(verdict, case, due)
+        if wait is None and _asks(rule, robot):
+            verdict.asked[robot.name] = max(_ask_below(rule), verdict.asked.get(robot.name, 0.0))
         low_since = self._low_since.get(key)
         if wait is None:
             wait = _obstacle(rule, robot, low_since, case.seconds)
@@ -240,6 +248,17 @@ class DockingPolicy:
         if late is None or late[0] != due or wait is WaitReason.DOCKED:
             return WaitReason.NOT_DUE, None
         return late[1], DecisionOutcome.SKIPPED if case.robot.stopped is None else DecisionOutcome.HELD
+
+
+def _ask_below(rule: RuleEntry) -> float:
+    """Return the charge below which a rule asks missions to let their robots charge."""
+    return 0.0 if rule.battery is None or rule.mode is not RuleMode.ON else min(rule.battery.below, ASK_BELOW)
+
+
+def _asks(rule: RuleEntry, robot: RobotFacts) -> bool:
+    """Return whether a rule asks the mission of a robot to let it charge. That moves no robot by itself."""
+    low = robot.battery is not None and robot.battery < _ask_below(rule)
+    return low and robot.at_work and robot.stopped is None
 
 
 def _obstacle(rule: RuleEntry, robot: RobotFacts, low_since: float | None, seconds: float) -> WaitReason | None:

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Collection, Iterable
 from typing import Any
 
+from dock_gateway.core.dock_adapters.catalog import ADAPTERS
 from dock_gateway.core.filters import prefix_of
 from dock_gateway.core.grant import Grant
 from dock_gateway.extensions.missions.mission import MissionEntry, StepEntry
@@ -32,7 +33,10 @@ def robots_of(mission: MissionEntry, members: Callable[[str], Collection[str]]) 
 
 def actions_of(mission: MissionEntry, robots: Iterable[str], robot_actions: RobotActions) -> set[str]:
     """Return the names of the actions that a mission sends goals to, on any of these robots."""
-    names = (action_of(step, robot, robot_actions) for robot in robots for step in mission.steps)
+    robots = [*robots]
+    names = {action_of(step, robot, robot_actions) for robot in robots for step in mission.steps}
+    if mission.battery is not None:
+        names |= {robot_actions.docking_name(verb, robot) for verb in ADAPTERS for robot in robots}
     return set(filter(None, names))
 
 

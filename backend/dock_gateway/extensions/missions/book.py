@@ -20,6 +20,8 @@ log = logging.getLogger(__name__)
 
 # The missions that have not ended, of all robots together.
 MAX_MISSIONS = 500
+# Those of them that agents have asked for: people can always add theirs.
+MAX_OF_AGENTS = 50
 # The ended ones that are kept.
 MAX_ENDED = 1000
 
@@ -93,6 +95,7 @@ class MissionBook(SharedEntries[MissionEntry]):
                 raise Conflict("this Idempotency-Key was used for another mission", code="idempotency_key_reused")
             if len(stored) >= MAX_MISSIONS:
                 raise limit_reached(MAX_MISSIONS, "missions")
+            _require_room(mission, stored)
             last = last_order(stored)
             if mission.order <= last:
                 raise Conflict("another gateway has queued one meanwhile")
@@ -267,13 +270,26 @@ class MissionBook(SharedEntries[MissionEntry]):
         self._fanout.publish(Event(encode(document), "mission", narrow=narrow))
 
 
+def _require_room(mission: MissionEntry, stored: Mapping[str, MissionEntry]) -> None:
+    """Refuse the mission of an agent if there are too many of agents."""
+    if mission.by_agent and sum(each.by_agent for each in stored.values()) >= MAX_OF_AGENTS:
+        raise limit_reached(MAX_OF_AGENTS, "missions of agents")
+
+
 def _is_same(first: MissionEntry, again: MissionEntry) -> bool:
     """Return whether two requests asked for the same mission."""
 
     def asked(mission: MissionEntry) -> tuple[object, ...]:
         whose = mission.robot if mission.group is None else None
         if mission.template is not None:  # which may have been changed meanwhile
-            return whose, mission.group, mission.template, mission.arguments
-        return whose, mission.group, mission.name, mission.priority, [step.asked for step in mission.steps]
+            return whose, mission.group, mission.template, mission.arguments, mission.battery
+        return (
+            whose,
+            mission.group,
+            mission.name,
+            mission.priority,
+            mission.battery,
+            [step.asked for step in mission.steps],
+        )
 
     return asked(first) == asked(again)

@@ -112,7 +112,8 @@ def _line(found: dict[str, Any]) -> str:
     held = (
         f", for {found['held_for']}: dock-gateway mission continue {found['mission_id']}" if found["held_for"] else ""
     )
-    return f"{found['mission_id']} {status}: {place}{held}"
+    on_break = f"{found['recharge']['stage']}, then " if found["recharge"] else ""
+    return f"{found['mission_id']} {status}: {on_break}{place}{held}"
 
 
 def _rounds_of(step: dict[str, Any], steps: list[dict[str, Any]]) -> str:

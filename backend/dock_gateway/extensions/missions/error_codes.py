@@ -16,5 +16,7 @@ CODES = (
     ErrorCode("step_timeout", None, "Of a step: it took longer than its `timeout_s`."),
     ErrorCode("not_sent", None, "Of a step: its goal could not be sent within 23 hours."),
     ErrorCode("goal_canceled", None, "Of a step: its goal was canceled, and not by the mission."),
+    ErrorCode("low_battery", None, "Of a step: it was left, so that its robot charges first; it begins again."),
+    ErrorCode("off_charger", None, "Of a mission's break for the battery: the docked robot was discharging."),
     ErrorCode("step_interrupted", None, "Of a step: the gateway ended during its call or its message."),
 )

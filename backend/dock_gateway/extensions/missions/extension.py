@@ -15,7 +15,7 @@ from dock_gateway.extensions.missions.last_stops import LastStop, LastStops
 from dock_gateway.extensions.missions.messages import Messages
 from dock_gateway.extensions.missions.mission import MissionEntry
 from dock_gateway.extensions.missions.missions import Missions
-from dock_gateway.extensions.missions.notices import NOTICE
+from dock_gateway.extensions.missions.notices import NOTICE, RETURN_FAILED, UNAPPROVED, alerts_of_holds
 from dock_gateway.extensions.missions.places import routes as of_places
 from dock_gateway.extensions.missions.places.place import PlaceEntry
 from dock_gateway.extensions.missions.places.places import MAX_PLACES, Places
@@ -29,8 +29,10 @@ from dock_gateway.extensions.missions.schema import EVENTS
 from dock_gateway.extensions.missions.templates import routes as of_templates
 from dock_gateway.extensions.missions.templates.template import TemplateEntry
 from dock_gateway.extensions.missions.templates.templates import MAX_TEMPLATES, Templates
+from dock_gateway.extensions.missions.tools import TOOLS
 from dock_gateway.fleet.alert_board import AlertBoard
 from dock_gateway.fleet.fleet import Fleet
+from dock_gateway.goals.approvals import Approvals
 from dock_gateway.goals.docks import Docks
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
@@ -79,15 +81,10 @@ async def open_missions(parts: Parts) -> AsyncIterator[Missions]:
                 share=parts[Share],
                 candidates=candidates.read,
                 last_stops=last_stops,
+                docked=lambda robot: next((each.docked for each in parts[Fleet].states() if each.name == robot), None),
             ),
         )
-        stack.enter_context(actions.on_end.adding(runner.on_goal))
-        stack.enter_context(actions.on_lost.adding(runner.on_goal))
-        stack.enter_context(parts[Stopper].on_stop.adding(runner.on_stop))
-        stack.enter_context(parts[Stopper].on_stop.adding(runner.on_stop_change))
-        stack.enter_context(interlock.on_release.adding(runner.on_stop_change))
-        stack.enter_context(robots.at_work.adding(runner.has_work))
-        stack.enter_context(parts[AlertBoard].sources.adding(lambda: book.notices.alerts(robots.namespaces())))
+        _listen(parts, runner, stack)
         runner.start()
         missions = Missions(
             book,
@@ -100,9 +97,28 @@ async def open_missions(parts: Parts) -> AsyncIterator[Missions]:
             templates=templates,
             interlock=interlock,
             members=labels.in_group,
+            approvals=parts[Approvals],
         )
         _open_schedules(parts, missions, last_stops, stack)
         yield missions
+
+
+def _listen(parts: Parts, runner: MissionRunner, stack: AsyncExitStack) -> None:
+    """Tell missions what happens, and others what missions do, until the stack is closed."""
+    actions, robots, alerts = parts[ActionRegistry], parts[RobotRegistry], parts[AlertBoard]
+    book = runner.book
+    for adding in (
+        actions.on_end.adding(runner.on_goal),
+        actions.on_lost.adding(runner.on_goal),
+        parts[Stopper].on_stop.adding(runner.on_stop),
+        parts[Stopper].on_stop.adding(runner.on_stop_change),
+        parts[Interlock].on_release.adding(runner.on_stop_change),
+        robots.at_work.adding(runner.has_work),
+        robots.on_low_battery.adding(runner.ask_to_charge),
+        alerts.sources.adding(lambda: alerts_of_holds(book.all().values())),
+        alerts.sources.adding(lambda: book.notices.alerts(robots.namespaces())),
+    ):
+        stack.enter_context(adding)
 
 
 def _stored(parts: Parts) -> tuple[Places, Templates]:
@@ -127,6 +143,7 @@ extension = Extension(
     open_missions,
     routes=lambda _: (router, of_places.router, of_templates.router, of_schedules.router),
     events=EVENTS,
-    alerts=(NOTICE, FAILED),
+    alerts=(NOTICE, FAILED, RETURN_FAILED, UNAPPROVED),
     errors=CODES,
+    tools=TOOLS,
 )

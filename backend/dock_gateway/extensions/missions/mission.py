@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
+from dock_gateway.extensions.missions.battery import BatteryLimits
 from dock_gateway.extensions.missions.step import Alternatives, Repeat, SingleStep
 from dock_gateway.extensions.missions.step_kinds import Waypoint
 from dock_gateway.http.schema import RosName, Schema
@@ -42,7 +43,9 @@ class HoldReason(StrEnum):
 
     `stop`: the robot was stopped. `canceled`: the goal of its step was canceled, and not by the mission. `lost`:
     nobody knows what the robot did: contact was lost during that goal, and it takes too long, or the gateway ended
-    during a call or a message. `person`: its step waits for a person. `paused`: it was paused.
+    during a call or a message. `person`: its step waits for a person. `paused`: it was paused. `recharge`: its robot
+    did not reach its dock, or its charge, or did not leave its dock. `approval`: an agent has asked for it, and no
+    person has allowed it yet.
     """
 
     STOP = "stop"
@@ -50,6 +53,8 @@ class HoldReason(StrEnum):
     LOST = "lost"
     PERSON = "person"
     PAUSED = "paused"
+    RECHARGE = "recharge"
+    APPROVAL = "approval"
 
 
 class StepStatus(StrEnum):
@@ -175,14 +180,46 @@ class StepEntry(StepPlace):
         return self.fails_at is not None and now >= self.fails_at
 
 
+class RechargeStage(StrEnum):
+    """What the robot does during a break for its battery: `undocking` comes before a step that moves it."""
+
+    DOCKING = "docking"
+    CHARGING = "charging"
+    UNDOCKING = "undocking"
+
+
+class Recharge(Schema):
+    """A break for the battery of the robot, as it is stored.
+
+    Attributes:
+        number: Counts the breaks of the mission.
+        stage: How far it has come.
+        started_at: When it began.
+        step: What is carried out now.
+        off_since: Since when the battery of the docked robot has been discharging.
+    """
+
+    number: int
+    stage: RechargeStage
+    started_at: datetime
+    step: StepEntry
+    off_since: datetime | None = None
+
+    def document(self) -> Mapping[str, Any]:
+        """Return it as `GET /missions/{mission_id}` shows it."""
+        fields = self.model_dump(include={"number", "stage", "started_at"})
+        return fields | self.step.model_dump(include={"tried", "goal_id", "error"})
+
+
 class MissionFields(Schema):
     """The fields of a mission that are stored and shown.
 
     `priority`: of the missions of a robot that have not begun, the one with the highest begins first, then the one with
-    the lowest `order`, which is by age unless one was moved. `step` is the index of the present step; once all have
-    ended, their number. `pausing`: it will be held before its next step. `robot` is null until a robot of the `group`
-    has begun it. `template` is the id of the template that it was made of, with which `arguments`, and `schedule` that
-    of the schedule that has queued it; null: none.
+    the lowest `order`, which is by age unless one was moved. `battery`: when the robot returns
+    to charge, and until when; null: never by the mission's own will. `step` is the index of the present step; once all
+    have ended, their number. `pausing`: it will be held before its next step. `robot` is null until a robot of the
+    `group` has begun it. `template` is the id of the template that it was made of, with which `arguments`, and
+    `schedule` that of the schedule that has queued it; null: none.
     """
 
     robot: RosName | None
@@ -190,6 +227,7 @@ class MissionFields(Schema):
     name: str | None
     priority: int
     order: int = 0
+    battery: BatteryLimits | None = None
     status: MissionStatus
     held_for: HoldReason | None
     pausing: bool = False
@@ -210,6 +248,12 @@ class MissionEntry(MissionFields):
     Attributes:
         steps: Its steps, at least one.
         notice: What it has last told people; None: nothing.
+        asked_battery: What a rule of automatic docking has asked of a mission that says nothing itself.
+        by_agent: Whether an agent has asked for it.
+        recharge: Its break for the battery; None: it is at its step.
+        recharges: How many breaks it has begun.
+        recharge_skipped: Whether it goes on without a break until the battery has been charged.
+        parked: Whether a break has left the robot on its dock.
         revision: Counts its changes: one who changes it says what they have read.
         edition: Counts the changes of what it is to do.
         allowed_at: When somebody last let it begin, after it was queued.
@@ -217,6 +261,12 @@ class MissionEntry(MissionFields):
 
     steps: tuple[StepEntry, ...]
     notice: Notice | None = None
+    asked_battery: BatteryLimits | None = None
+    by_agent: bool = False
+    recharge: Recharge | None = None
+    recharges: int = 0
+    recharge_skipped: bool = False
+    parked: bool = False
     revision: int = 0
     edition: int = 0
     allowed_at: datetime | None = None
@@ -240,8 +290,18 @@ class MissionEntry(MissionFields):
 
     @property
     def current(self) -> StepEntry:
-        """The present step of a mission that has not ended."""
-        return self.steps[self.step]
+        """What is carried out now, of a mission that has not ended: its present step, or that of its break."""
+        return self.steps[self.step] if self.recharge is None else self.recharge.step
+
+    @property
+    def position(self) -> str:
+        """Where it is: tells its present step, or its break, from all others."""
+        return str(self.step) if self.recharge is None else f"recharge-{self.recharge.number}"
+
+    @property
+    def limits(self) -> BatteryLimits | None:
+        """When the robot returns to charge: what the mission says, else what a rule has asked for."""
+        return self.battery or self.asked_battery
 
     @property
     def active(self) -> bool:
@@ -264,11 +324,16 @@ class MissionEntry(MissionFields):
 
     def edited(self, other: "MissionEntry") -> "MissionEntry":
         """Return a mission that has not begun with what a new one is to do, in its place in the queue."""
-        asked = {name: getattr(other, name) for name in ("name", "priority", "template", "arguments", "steps")}
+        asked = {
+            name: getattr(other, name) for name in ("name", "priority", "battery", "template", "arguments", "steps")
+        }
         return self.but(**asked, edition=self.edition + 1, allowed_at=other.created_at)
 
     def with_step(self, index: int | None = None, /, **fields: Any) -> "MissionEntry":
         """Return the mission with other fields of a step, by default of the present one, as its next revision."""
+        if index is None and self.recharge is not None:
+            step = self.recharge.step.model_copy(update=fields)
+            return self.but(recharge=self.recharge.model_copy(update={"step": step}))
         at = self.step if index is None else index
         steps = (*self.steps[:at], self.steps[at].model_copy(update=fields), *self.steps[at + 1 :])
         return self.but(steps=steps)
@@ -280,5 +345,6 @@ class MissionEntry(MissionFields):
             **self.model_dump(include=set(MissionFields.model_fields)),
             "waits_for": waits_for,
             "etag": self.etag,
+            "recharge": self.recharge and self.recharge.document(),
             "steps": [step.model_dump(exclude=set(STORED_ONLY)) for step in self.steps],
         }

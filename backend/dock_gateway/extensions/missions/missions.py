@@ -6,14 +6,14 @@ from typing import Any
 
 from dock_gateway.core.errors import Conflict, FieldError, InvalidField, NotFound, got, not_covered
 from dock_gateway.core.event import utc_now
-from dock_gateway.core.grant import Grant
+from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.namespace import read_namespace
 from dock_gateway.core.versions import Condition
 from dock_gateway.extensions.missions import progress
 from dock_gateway.extensions.missions.actions import action_of, actions_of, covers, read_goal, robots_of
 from dock_gateway.extensions.missions.book import MissionBook
 from dock_gateway.extensions.missions.messages import Messages
-from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
+from dock_gateway.extensions.missions.mission import HoldReason, MissionEntry, MissionStatus
 from dock_gateway.extensions.missions.moving import move
 from dock_gateway.extensions.missions.places.places import Places
 from dock_gateway.extensions.missions.runner import MissionRunner
@@ -21,6 +21,7 @@ from dock_gateway.extensions.missions.schema import MissionBody, MissionContent
 from dock_gateway.extensions.missions.templates.parameters import at_arguments
 from dock_gateway.extensions.missions.templates.templates import Filled, Templates
 from dock_gateway.extensions.missions.turns import Members, require_in_queue
+from dock_gateway.goals.approvals import Approvals
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.latch.interlock import Interlock
@@ -41,6 +42,7 @@ class Missions:
         templates: The templates that missions are made of.
         interlock: The latched stops.
         members: Returns the robots that are in a group.
+        approvals: Which goals of agents a person has to allow.
     """
 
     def __init__(
@@ -56,6 +58,7 @@ class Missions:
         templates: Templates,
         interlock: Interlock,
         members: Members,
+        approvals: Approvals,
     ) -> None:
         self.book = book
         self._runner = runner
@@ -67,6 +70,7 @@ class Missions:
         self._templates = templates
         self._interlock = interlock
         self._members = members
+        self._approvals = approvals
 
     async def add(self, mission_id: str, body: MissionBody, robot: str | None, grant: Grant) -> Mapping[str, Any]:
         """Queue a mission for a robot, or for one of a group; return it.
@@ -162,6 +166,10 @@ class Missions:
         with at_arguments({} if filled is None else filled.places):
             mission = content.entry(robot, filled, by).model_copy(update={"group": group})
             await self._require(mission, grant)
+        if grant.role is Role.AGENT:
+            mission = mission.but(by_agent=True)
+            if self._needs_approval(mission, grant):
+                mission = mission.but(status=MissionStatus.HELD, held_for=HoldReason.APPROVAL)
         return mission
 
     async def covers(self, content: MissionContent, robot: str, grant: Grant) -> bool:
@@ -192,6 +200,17 @@ class Missions:
         for step in mission.steps:
             self._messages.require(step, grant)
         await self._require_goals(mission, robots)
+
+    def _needs_approval(self, mission: MissionEntry, grant: Grant) -> bool:
+        """Return whether a person has to see the mission of an agent first: it has or moves a real robot."""
+        robots = robots_of(mission, self._members)
+        goals = actions_of(mission, robots, self._robot_actions)
+        goals |= {self._robot_actions.docking_name("dock", robot) for robot in robots}
+        return (
+            mission.robot is None
+            or any(step.is_message for step in mission.steps)
+            or any(self._approvals.needs(grant, name) for name in goals)
+        )
 
     async def _require_goals(self, mission: MissionEntry, robots: Iterable[str]) -> None:
         """Check the places, and the goals and messages of the steps whose servers are there, as far as that goes now.

@@ -53,6 +53,10 @@ class Facts:
         other_goal: Whether a goal runs on it that is not this mission's.
         battery: Its charge, 0 to 1; None if that is unknown.
         place: Where the place is that the present step drives to; None if it names none, or there is none.
+        charging: Whether its battery says that it is being charged, or is full.
+        full: Whether its battery says that it is full.
+        discharging: Whether its battery says that it is not being charged, but discharges.
+        docked: Whether it is docked; None if that is unknown.
         goal: The goal of the present step, as far as it is known.
         given_up: Whether that is lost, and canceled should it return.
         sent: The call or message of the present step, if this gateway has begun its try; else None.
@@ -62,6 +66,10 @@ class Facts:
     other_goal: bool = False
     battery: float | None = None
     place: Waypoint | None = None
+    charging: bool = False
+    full: bool = False
+    discharging: bool = False
+    docked: bool | None = None
     goal: Goal | None = None
     given_up: bool = False
     sent: Sent | None = None

@@ -1,15 +1,47 @@
-"""What missions have told people, as alerts."""
+"""What missions have told people, and what they need people for, as alerts."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from datetime import datetime
 from typing import NamedTuple
 
 from dock_gateway.core.event import utc_now
-from dock_gateway.extensions.missions.mission import MissionEntry, Notice
+from dock_gateway.extensions.missions.mission import (
+    HoldReason,
+    MissionEntry,
+    Notice,
+    Recharge,
+    RechargeStage,
+)
 from dock_gateway.fleet.alert import Alert
 from dock_gateway.fleet.alert_kinds import AlertKind
 
 NOTICE = AlertKind("mission_notice", critical=False)
+RETURN_FAILED = AlertKind("mission_return_failed")
+UNAPPROVED = AlertKind("mission_unapproved", critical=False)
+
+
+def alerts_of_holds(missions: Iterable[MissionEntry]) -> Iterator[Alert]:
+    """Return an alert for each robot that could not be charged or leave its dock, and for what agents ask for."""
+    asked: dict[str | None, MissionEntry] = {}  # the oldest of each robot
+    for mission in missions:
+        if mission.held_for is HoldReason.RECHARGE and mission.recharge is not None:
+            yield _failed_return(mission.robot or "", mission.recharge)
+        first = asked.get(mission.robot, mission)
+        if mission.held_for is HoldReason.APPROVAL and mission.created_at <= first.created_at:
+            asked[mission.robot] = mission
+    for robot, mission in asked.items():
+        detail = (
+            f"{mission.created_by or 'An agent'} asks for it. See its steps under Missions, then continue or cancel it."
+        )
+        yield Alert(UNAPPROVED, robot, mission.created_at, "A mission needs your approval", detail)
+
+
+def _failed_return(robot: str, recharge: Recharge) -> Alert:
+    leaving = recharge.stage is RechargeStage.UNDOCKING
+    title = f"{robot} did not leave its dock" if leaving else f"{robot} could not be charged"
+    why = "" if recharge.step.error is None else f" The last try: {recharge.step.error.detail.rstrip('.')}."
+    detail = f"Its mission is held after {recharge.step.tried} tries.{why} Check the robot and its dock, then continue."
+    return Alert(RETURN_FAILED, robot, recharge.step.finished_at or recharge.started_at, title, detail)
 
 
 class _Told(NamedTuple):

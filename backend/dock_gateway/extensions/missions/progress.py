@@ -7,12 +7,14 @@ made of the mission, the step and the try, by which it is found again after a re
 from datetime import datetime, timedelta
 
 from dock_gateway.core.goal import Goal, GoalStatus
+from dock_gateway.extensions.missions import recharge
 from dock_gateway.extensions.missions.mission import (
     HoldReason,
     MissionEntry,
     MissionStatus,
     Notice,
     Reason,
+    RechargeStage,
     StepEntry,
     StepStatus,
 )
@@ -45,8 +47,10 @@ def next_move(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
         return _hold(mission, facts, now)
     if facts.stopped:
         return Change(mission.but(status=MissionStatus.HELD, held_for=HoldReason.STOP))
+    if recharge.has_recovered(mission, facts):
+        return Change(mission.but(recharge_skipped=False))
     if mission.current.status is StepStatus.RUNNING:
-        return _follow(mission, facts, now)
+        return recharge.leave_step(mission, facts, now) or _follow(mission, facts, now)
     return _begin(mission, facts, now)
 
 
@@ -54,10 +58,14 @@ def _begin(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
     step = mission.current
     if mission.pausing:
         return Change(mission.but(status=MissionStatus.HELD, held_for=HoldReason.PAUSED, pausing=False))
+    if recharge.is_due(mission, facts) and step.verb != "dock":
+        return Change(recharge.begin(mission, now))
     if step.retry_at is not None and now < step.retry_at:
         return Wait(WaitsFor.RETRY if step.tried else WaitsFor.TIME, step.retry_at)
     if facts.other_goal and (step.sends_goal or step.is_message):
         return Wait(WaitsFor.OTHER_GOAL)
+    if (made := recharge.before_goal(mission, facts, now)) is not None:
+        return Change(made)
     begun = mission.with_step(
         status=StepStatus.RUNNING,
         attempt=step.attempt + 1,
@@ -70,8 +78,10 @@ def _begin(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
     )
     if step.place is not None and facts.place is None:
         gone = Reason(code="place_not_found", detail=f"there is no place {step.place} any more")
-        return Change(fail(begun, gone, now))
-    if step.waits_for_person:
+        begun = fail(begun, gone, now)
+    elif step.sends_goal:
+        begun = begun.model_copy(update={"parked": False})
+    elif step.waits_for_person:
         begun = begun.model_copy(update={"status": MissionStatus.HELD, "held_for": HoldReason.PERSON})
     return Change(begun)
 
@@ -79,6 +89,8 @@ def _begin(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
 def _follow(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
     """Return what comes next while the present step is running."""
     step = mission.current
+    if mission.recharge is not None and mission.recharge.stage is RechargeStage.CHARGING:
+        return recharge.follow_charge(mission, facts, now)
     if step.is_message:
         return _follow_message(mission, facts, now)
     if step.notify is not None:
@@ -112,7 +124,7 @@ def _follow_goal(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
         return Change(fail(mission, TIMEOUT if step.goal_id is None else GONE, now))
     if goal.status.final:
         return Change(_conclude(mission, goal, now))
-    if late:
+    if late or step.error is not None:
         return _give_up(mission, goal, facts, now)
     return Wait(WaitsFor.LOST_GOAL if goal.status is GoalStatus.LOST else WaitsFor.GOAL, step.fails_at)
 
@@ -137,13 +149,14 @@ def _message_ends_at(step: StepEntry, now: datetime) -> datetime:
 
 
 def _give_up(mission: MissionEntry, goal: Goal, facts: Facts, now: datetime) -> Move:
-    """Return what comes next when the goal of the present step takes too long."""
-    if mission.current.error is None:  # which says, also after a restart, that it is canceled for this
+    """Return what comes next when the goal of the present step takes too long, or the robot has to charge first."""
+    error = mission.current.error
+    if error is None:  # which says, also after a restart, that it is canceled for this
         return Change(mission.with_step(error=TIMEOUT))
     if not facts.given_up:
         return Cancel(goal)
     # Nobody knows what the robot does, or whether it was switched off and on: it does not move again by itself.
-    return Change(_again(mission, TIMEOUT, now).but(status=MissionStatus.HELD, held_for=HoldReason.LOST))
+    return Change(_again(mission, error, now).but(status=MissionStatus.HELD, held_for=HoldReason.LOST))
 
 
 def _reason_of(goal: Goal, code: str, otherwise: str) -> Reason:
@@ -157,10 +170,11 @@ def _conclude(mission: MissionEntry, goal: Goal, now: datetime) -> MissionEntry:
     """Return the mission after the goal of its step has ended."""
     if goal.status is GoalStatus.SUCCEEDED:
         return succeed(mission, now)
-    if mission.current.error is not None:  # it was too late, and canceled for that
-        return fail(mission, mission.current.error, now)
     if goal.error is not None and goal.error.code == STOPPED:
         return hold_for_stop(mission, _reason_of(goal, STOPPED, ""), now)
+    error = mission.current.error
+    if error is not None:  # it was canceled for this
+        return _again(mission, error, now) if error == recharge.LOW else fail(mission, error, now)
     if goal.status is GoalStatus.CANCELED:
         reason = _reason_of(goal, "goal_canceled", "the goal was canceled, and not by the mission")
         return _again(mission, reason, now).but(status=MissionStatus.HELD, held_for=HoldReason.CANCELED)
@@ -209,17 +223,22 @@ def _cancel(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
         return Wait(WaitsFor.ANSWER, ends_at)
     arrived = goal is not None and goal.status is GoalStatus.SUCCEEDED
     arrived |= sent is not None and sent.over and sent.error is None
-    status = StepStatus.SUCCEEDED if arrived else StepStatus.CANCELED
+    status = StepStatus.SUCCEEDED if arrived and mission.recharge is None else StepStatus.CANCELED
+    mission = mission.but(recharge=None)
     return Change(end(mission.with_step(status=status, finished_at=now), MissionStatus.CANCELED, now))
 
 
 def succeed(mission: MissionEntry, now: datetime) -> MissionEntry:
     """Return the mission after its step has succeeded."""
+    if mission.recharge is not None:
+        return recharge.go_on(mission, now)
     return go_on(mission.with_step(status=StepStatus.SUCCEEDED, finished_at=now, error=None), now)
 
 
 def fail(mission: MissionEntry, error: Reason, now: datetime) -> MissionEntry:
     """Return the mission after a try of its step has failed."""
+    if mission.recharge is not None:
+        return recharge.fail(mission, error, now)
     step = mission.current
     tried = step.tried + 1
     if tried < step.tries:
@@ -230,14 +249,14 @@ def fail(mission: MissionEntry, error: Reason, now: datetime) -> MissionEntry:
 
 def begins_message(before: MissionEntry, after: MissionEntry) -> bool:
     """Return whether a change begins a try of a call or a message."""
-    return after.step == before.step and after.current.has_message and not before.current.has_message
+    return after.position == before.position and after.current.has_message and not before.current.has_message
 
 
-def has_try(mission: MissionEntry | None, step: int, attempt: int) -> bool:
-    """Return whether a mission goes on with this try of this step; None: it has ended."""
-    if mission is None or mission.status is not MissionStatus.RUNNING or mission.step != step:
+def has_try(mission: MissionEntry | None, begun: MissionEntry) -> bool:
+    """Return whether a mission goes on with the try at which it was; None: it has ended."""
+    if mission is None or mission.status is not MissionStatus.RUNNING or mission.position != begun.position:
         return False
-    return mission.current.status is StepStatus.RUNNING and mission.current.attempt == attempt
+    return mission.current.status is StepStatus.RUNNING and mission.current.attempt == begun.current.attempt
 
 
 def start(mission: MissionEntry, now: datetime, robot: str | None = None) -> MissionEntry:
@@ -260,8 +279,8 @@ def pause(mission: MissionEntry) -> MissionEntry:
 
 
 def skip(mission: MissionEntry, now: datetime) -> MissionEntry:
-    """Return a held mission that goes on without its step."""
-    return resume(skip_step(mission, now), now)
+    """Return a held mission that goes on without its step, or without its break for the battery."""
+    return resume(skip_step(mission, now) if mission.recharge is None else recharge.skip(mission), now)
 
 
 def resume(mission: MissionEntry, now: datetime) -> MissionEntry:

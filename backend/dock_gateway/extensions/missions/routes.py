@@ -36,13 +36,18 @@ OwnKey = Annotated[str | None, Depends(read_own_key)]
 StatusQuery = Annotated[list[MissionStatus] | None, Query(description="Only missions in these states")]
 
 
+def id_of(key: str | None) -> str:
+    """Return the id of a new mission: the same one for the same key of the same client."""
+    return uuid.uuid4().hex if key is None else uuid.uuid5(uuid.NAMESPACE_OID, f"mission {key}").hex
+
+
 @router.post(
     "",
     status_code=201,
     responses={201: {"headers": ETAG_HEADER | LOCATION_HEADER}},
     openapi_extra=UNSTABLE | {"parameters": [IDEMPOTENCY_KEY]},
 )
-@operation(Role.OPERATOR, Scope.LISTED, errors=(404, 409, 421))
+@operation(Role.AGENT, Scope.LISTED, errors=(404, 409, 421))
 async def create_mission(
     body: SignedBody[MissionBody],
     request: Request,
@@ -56,9 +61,11 @@ async def create_mission(
 
     It begins when no other one of the robot is on its way, and none comes first.
 
+    One of an agent that moves a real robot is `held` for `approval`: it begins after an operator has continued it.
+
     With the same `Idempotency-Key`, a request that is sent twice makes one mission.
     """
-    mission_id = uuid.uuid4().hex if key is None else uuid.uuid5(uuid.NAMESPACE_OID, f"mission {key}").hex
+    mission_id = id_of(key)
     document = await missions.add(mission_id, body, robot, grant)
     audited(request, robot=document["robot"], subject=mission_id)
     headers = {"Location": f"{router.prefix}/{mission_id}", "ETag": document["etag"]}
@@ -115,14 +122,14 @@ async def move_mission(
 
 
 @router.post("/{mission_id}/cancel", openapi_extra=UNSTABLE)
-@operation(Role.OPERATOR, Scope.LISTED, errors=(404, 409), stops=True)
+@operation(Role.AGENT, Scope.LISTED, errors=(404, 409), stops=True)
 async def cancel_mission(mission_id: MissionId, missions: Part[Missions], grant: TheGrant) -> Answer[Mission]:
     """End a mission. The goal of its step is canceled first, which `canceling` shows."""
     return json_response(await missions.cancel(mission_id, grant))
 
 
 @router.post("/{mission_id}/pause", openapi_extra=UNSTABLE)
-@operation(Role.OPERATOR, Scope.LISTED, errors=(404, 409))
+@operation(Role.AGENT, Scope.LISTED, errors=(404, 409))
 async def pause_mission(mission_id: MissionId, missions: Part[Missions], grant: TheGrant) -> Answer[Mission]:
     """Hold a mission before its next step, until it is continued."""
     return json_response(await missions.pause(mission_id, grant))

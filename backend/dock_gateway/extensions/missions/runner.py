@@ -5,6 +5,7 @@ import logging
 from collections.abc import Callable, Mapping
 from datetime import datetime
 
+from dock_gateway.core.battery import BatteryReading, PowerSupply
 from dock_gateway.core.errors import DockOccupied, GatewayError, NotFound, TooManyRequests, Unavailable, is_by_stop
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import Goal, GoalStatus
@@ -12,6 +13,7 @@ from dock_gateway.core.share import Share
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.extensions.missions import progress
 from dock_gateway.extensions.missions.actions import action_of, read_goal
+from dock_gateway.extensions.missions.battery import LEAST_CHARGE, BatteryLimits
 from dock_gateway.extensions.missions.book import MissionBook
 from dock_gateway.extensions.missions.last_stops import LastStops
 from dock_gateway.extensions.missions.messages import Messages
@@ -20,6 +22,7 @@ from dock_gateway.extensions.missions.moves import Cancel, Change, Facts, Send, 
 from dock_gateway.extensions.missions.places.places import Places
 from dock_gateway.extensions.missions.progress import begins_message, next_move
 from dock_gateway.extensions.missions.turns import NO_ROBOTS, RobotFacts, find_turns
+from dock_gateway.fleet.robot_state import CHARGES
 from dock_gateway.goals.docks import Docks
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
@@ -33,6 +36,8 @@ log = logging.getLogger(__name__)
 
 # Seconds between two looks at missions that have not ended.
 INTERVAL = 1.0
+# To which a robot charges that a rule of automatic docking has called back from its mission.
+ASKED_CHARGE = 0.8
 
 
 class MissionRunner:
@@ -52,6 +57,7 @@ class MissionRunner:
         share: The robots that this gateway serves.
         candidates: Returns the robots that may take missions of their groups.
         last_stops: When robots were last stopped.
+        docked: Returns whether a robot is docked; None if that is unknown.
         clock: Returns the time.
     """
 
@@ -71,6 +77,7 @@ class MissionRunner:
         share: Share,
         candidates: Callable[[], Mapping[str, RobotFacts]],
         last_stops: LastStops,
+        docked: Callable[[str], bool | None] = lambda _: None,
         clock: Callable[[], datetime] = utc_now,
     ) -> None:
         self.book = book
@@ -86,6 +93,7 @@ class MissionRunner:
         self._share = share
         self._candidates = candidates
         self._last_stops = last_stops
+        self._docked = docked
         self._clock = clock
         self._stopped: set[str] = set()  # robots that were stopped since the last look
         self._given_up: set[str] = set()  # lost goals that are canceled should they return
@@ -133,6 +141,20 @@ class MissionRunner:
         """Return whether a robot is on a mission that is not held."""
         at_work = (MissionStatus.RUNNING, MissionStatus.CANCELING)
         return any(mission.robot == robot and mission.status in at_work for mission in self.book.all().values())
+
+    def ask_to_charge(self, robot: str, below: float) -> None:
+        """Let the robot of a mission that does not say when it returns to charge do so below a charge (0 to 1)."""
+        for mission_id, mission in self.book.all().items():
+            if mission.robot == robot and mission.status is MissionStatus.RUNNING and mission.limits is None:
+                self._tasks.spawn(self._ask(mission_id, mission, below))
+
+    async def _ask(self, mission_id: str, mission: MissionEntry, below: float) -> None:
+        limits = BatteryLimits(below=below, charge_to=max(ASKED_CHARGE, below + LEAST_CHARGE))
+        try:
+            await self.book.change(mission_id, mission, mission.but(asked_battery=limits))
+        except Unavailable:
+            return  # it is asked again
+        self.wake()
 
     async def close(self) -> None:
         """Follow no more. Goals that were sent go on, and are found again."""
@@ -229,20 +251,26 @@ class MissionRunner:
     async def _facts(self, mission_id: str, mission: MissionEntry) -> Facts:
         step, robot = mission.current, mission.its_robot
         goal = await self._goal(mission_id, mission) if step.has_goal else None
-        battery = None
-        if robot in self._robots:
-            latest = self._robots.get(robot).battery
-            battery = latest.reading.percentage if latest.age is not None and latest.stale_since is None else None
+        battery = self._battery(robot)
         others = (each for each in self._actions.running() if each.goal_id != step.goal_id)
         return Facts(
             stopped=robot in self._stopped or self._interlock.holds(robot),
             other_goal=any(self._is_of(robot, each.action_name) for each in others),
-            battery=battery,
+            battery=battery.percentage,
+            charging=battery.power_supply in CHARGES,
+            full=battery.power_supply == PowerSupply.FULL,
+            discharging=battery.power_supply == PowerSupply.DISCHARGING,
+            docked=self._docked(robot) if mission.parked else None,
             place=await self._places.pose_of(step) if step.status is StepStatus.WAITING else None,
             goal=goal,
             given_up=goal is not None and goal.goal_id in self._given_up,
             sent=self._sent.get(_key(mission_id, mission)),
         )
+
+    def _battery(self, robot: str) -> BatteryReading:
+        """Return what the battery of a robot says; nothing if that is not recent."""
+        latest = self._robots.get(robot).battery if robot in self._robots else None
+        return BatteryReading() if latest is None or latest.age is None or latest.stale_since else latest.reading
 
     def _is_of(self, robot: str, action_name: str) -> bool:
         owner = self._robots.owner(action_name)
@@ -290,7 +318,7 @@ class MissionRunner:
             after = mission.with_step(goal_id=goal.goal_id)
             if await self.book.change(mission_id, mission, after):
                 return None
-            if not progress.has_try(self.book.get(mission_id), mission.step, step.attempt):
+            if not progress.has_try(self.book.get(mission_id), mission):
                 await self._cancel(goal)  # another gateway has canceled or held it before the goal was sent here
             return None
         await self.book.change(mission_id, mission, after)
@@ -326,4 +354,4 @@ class MissionRunner:
 
 def _key(mission_id: str, mission: MissionEntry) -> str:
     """Return the idempotency key of the goal of a mission's present step and try."""
-    return f"mission-{mission_id}-{mission.step}-{mission.current.attempt}"
+    return f"mission-{mission_id}-{mission.position}-{mission.current.attempt}"

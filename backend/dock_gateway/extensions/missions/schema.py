@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import ConfigDict, Field, JsonValue, model_validator
 
 from dock_gateway.core.event import utc_now
+from dock_gateway.extensions.missions.battery import BatteryLimits
 from dock_gateway.extensions.missions.mission import (
     PRIORITY,
     MissionEntry,
@@ -13,6 +14,7 @@ from dock_gateway.extensions.missions.mission import (
     MissionStatus,
     Priority,
     Reason,
+    RechargeStage,
     StepPlace,
     StepStatus,
 )
@@ -51,6 +53,7 @@ class MissionContent(Schema):
 
     name: Name60 | None = None
     priority: Priority | None = None
+    battery: BatteryLimits | None = None
     steps: Annotated[list[StepFields], Field(min_length=1, max_length=MAX_STEPS)] | None = None
     template: Slug | None = None
     arguments: Annotated[dict[str, Any], Field(max_length=MAX_PARAMETERS)] | None = None
@@ -79,6 +82,7 @@ class MissionContent(Schema):
             robot=robot,
             name=self.name or made.name,
             priority=made.priority if self.priority is None else self.priority,
+            battery=self.battery,
             status=MissionStatus.QUEUED,
             held_for=None,
             step=0,
@@ -136,15 +140,32 @@ class MissionStep(StepPlace):
     error: Reason | None
 
 
+class MissionRecharge(Schema):
+    """A break of a mission for the battery of its robot, which goes on with its step afterwards.
+
+    `tried` counts the tries that have failed, `goal_id` is the goal that docks or undocks the robot, and `error` says
+    what the last try ended with.
+    """
+
+    number: int
+    stage: RechargeStage
+    started_at: datetime
+    tried: int
+    goal_id: str | None
+    error: Reason | None
+
+
 class Mission(MissionFields, Versioned):
     """A mission.
 
     `held_for` says why it does not go on until somebody continues it, and `waits_for` what it waits for otherwise; null
-    if that is not known, or it has ended.
+    if that is not known, or it has ended. `recharge` is its break for the battery of its robot; null: it
+    is at its step.
     """
 
     mission_id: str
     waits_for: WaitsFor | None
+    recharge: MissionRecharge | None
     steps: list[MissionStep]
 
 

@@ -72,6 +72,7 @@ class SingleStep(Schema):
         timeout_s: Seconds after which it fails, or null: no limit, or 5 for a call. A goal that runs is canceled.
         tries: How often it is tried before it has failed.
         on_failure: What the mission does then. By default it ends, unless the step is inside of another one.
+        interruptible: Whether its goal is canceled when the robot has to charge; it begins again afterwards.
     """
 
     dock: Request | None = None
@@ -86,6 +87,7 @@ class SingleStep(Schema):
     timeout_s: Annotated[float, Field(ge=1, le=LONGEST)] | None = None
     tries: Annotated[int, Field(ge=1, le=20)] = 1
     on_failure: Policy = FailurePolicy.END
+    interruptible: bool = False
 
     @property
     def verb(self) -> Verb | None:
@@ -163,4 +165,6 @@ class StepFields(SingleStep):
         require_one(self, *KINDS, "repeat", "first_that_works")
         if self.inside[1] and (self.timeout_s is not None or self.tries != 1):
             raise expected("timeout_s and tries in the steps inside of it, not here")
+        if self.interruptible and (self.verb is not None or not self.sends_goal):
+            raise expected("interruptible only where a goal is sent that neither docks nor undocks")
         return self

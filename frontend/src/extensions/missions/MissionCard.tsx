@@ -4,6 +4,7 @@ import { Link } from "react-router";
 import { useForbidden } from "../../api/session";
 import { useAtTime } from "../../clock/clock";
 import { NOT_CONNECTED, useFleetLive, useFleetPart } from "../../fleet/context";
+import { goalPath } from "../../fleet/names";
 import { CommandErrorAlert } from "../../ui/errors";
 import { ENTRY_BUTTON, ReasonButton } from "../../ui/ReasonButton";
 import { Time } from "../../ui/Time";
@@ -13,9 +14,12 @@ import classes from "./missions.module.css";
 import { hasEnded } from "./queue";
 import type { Mission, MissionStatus, Verb } from "./requests";
 import {
+  breakWords,
+  errorDetail,
   errorWords,
   groupWaitWords,
   holdOf,
+  limitWords,
   missionName,
   nowWords,
   STATUSES,
@@ -84,7 +88,7 @@ export function MissionCard({ mission, linked = false }: MissionCardProps) {
 
 /** When it began and for how long it has been on its way, and who asked for it. */
 function Facts({ mission }: { mission: Mission }) {
-  const { created_by, created_at, started_at, finished_at } = mission;
+  const { created_by, created_at, started_at, finished_at, battery } = mission;
   const took = useAtTime((now) => tookWords(mission, now));
   return (
     <Text size="sm" c="dimmed" component="div" className={`tabular ${classes.facts}`}>
@@ -98,6 +102,7 @@ function Facts({ mission }: { mission: Mission }) {
           Ended <Time value={finished_at} />
         </span>
       )}
+      {battery !== null && <span>{limitWords(battery)}</span>}
       {took !== "" && <span>{finished_at === null ? `${took} so far` : `took ${took}`}</span>}
     </Text>
   );
@@ -125,6 +130,7 @@ function Situation({ mission, command }: { mission: Mission; command: Command })
             {stopped && "Release the stop first. "}
             {hold.words}
           </Text>
+          <Recharge mission={mission} />
           <Commands mission={mission} command={command} />
         </Stack>
       </Alert>
@@ -162,6 +168,22 @@ function Now({ mission }: { mission: Mission }) {
   const step = mission.steps[mission.step];
   if (mission.robot === null) return <Text size="sm">{groupWaitWords(mission)}</Text>;
   if (mission.started_at === null || step === undefined) return null;
+  if (mission.recharge !== null)
+    return (
+      <>
+        <Text size="sm" className="tabular">
+          <strong>{breakWords(mission)}</strong>
+          {words !== "" && `. ${words}`}{" "}
+          <Text span size="sm" c="dimmed">
+            (since <Time value={mission.recharge.started_at} />)
+          </Text>
+        </Text>
+        <Recharge mission={mission} />
+        <Text size="sm" c="dimmed">
+          Then {stepPlace(mission)}: {stepWords(step)}
+        </Text>
+      </>
+    );
   return (
     <Text size="sm" className="tabular">
       <strong>
@@ -173,6 +195,27 @@ function Now({ mission }: { mission: Mission }) {
           {" "}
           (since <Time value={step.started_at} />)
         </Text>
+      )}
+    </Text>
+  );
+}
+
+/** The goal of a break for the battery, and why its last try has failed. */
+function Recharge({ mission: { recharge, robot } }: { mission: Mission }) {
+  if (recharge === null || (recharge.goal_id === null && recharge.error === null)) return null;
+  const detail = recharge.error === null ? null : errorDetail(recharge.error);
+  return (
+    <Text size="sm" component="div" className={classes.facts}>
+      {recharge.goal_id !== null && (
+        <Anchor component={Link} to={goalPath(recharge.goal_id, robot)} size="sm" underline="always">
+          Goal {recharge.goal_id.slice(0, 8)}
+        </Anchor>
+      )}
+      {recharge.error !== null && (
+        <span>
+          Last try: {errorWords(recharge.error)}
+          {detail !== null && `. ${detail}`}
+        </span>
       )}
     </Text>
   );

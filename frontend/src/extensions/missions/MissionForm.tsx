@@ -11,6 +11,7 @@ import { CommandErrorAlert } from "../../ui/errors";
 import { ReasonButton } from "../../ui/ReasonButton";
 import { useCommand } from "../../ui/requests";
 import { Section } from "../../ui/Section";
+import { BatteryFields } from "./BatteryFields";
 import {
   bodyOf,
   type Draft,
@@ -120,7 +121,9 @@ export function MissionForm({ draft, onChange }: MissionFormProps) {
     setOwnName(by.trim());
     start.mutate(bodyOf(draft, by.trim() || null), { onSuccess: () => navigate("/ui/missions") });
   };
-  const others = draft.refused.filter(({ path }) => !["name", "priority", "steps"].includes(path));
+  const others = draft.refused.filter(
+    ({ path }) => !FIELDS.some((each) => path === each || path.startsWith(`${each}.`)),
+  );
   const ready = isReady(draft, now);
   const wrongPriority = errorAt(errors, "priority") !== undefined;
 
@@ -140,6 +143,11 @@ export function MissionForm({ draft, onChange }: MissionFormProps) {
               onChange={(event) => change({ name: event.currentTarget.value, refused: [] })}
             />
           </div>
+          <BatteryFields
+            battery={draft.battery}
+            errors={errors}
+            onChange={(battery) => change({ battery, refused: [] })}
+          />
           <details
             className={classes.fold}
             open={more || wrongPriority}
@@ -232,6 +240,9 @@ export function MissionForm({ draft, onChange }: MissionFormProps) {
     </form>
   );
 }
+
+/** Where the form shows what is wrong. */
+const FIELDS = ["name", "priority", "battery", "steps"];
 
 /** A template that makes this mission. */
 function templateOf(draft: Draft): Partial<TemplateDraft> {

@@ -5,7 +5,7 @@ import { MissionBadge, missionPath } from "./MissionCard";
 import classes from "./missions.module.css";
 import { queuesOf } from "./queue";
 import type { Mission } from "./requests";
-import { holdOf, missionName, stepPlace, stepWords } from "./words";
+import { breakWords, holdOf, missionName, stepPlace, stepWords } from "./words";
 
 /** The mission that a robot is on, and how many wait. */
 export default function RobotQueue({ missions }: { missions: readonly Mission[] }) {
@@ -36,6 +36,7 @@ export default function RobotQueue({ missions }: { missions: readonly Mission[] 
             </Group>
             {step !== undefined && (
               <Text size="sm">
+                {active.recharge !== null && `${breakWords(active)}, then `}
                 {stepPlace(active)}: {stepWords(step)}
               </Text>
             )}

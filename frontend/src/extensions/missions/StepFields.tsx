@@ -1,4 +1,5 @@
 import {
+  Checkbox,
   Code,
   NativeSelect,
   NumberInput,
@@ -20,6 +21,7 @@ import { useAnswer } from "../../ui/requests";
 import { useLatest } from "../../ui/useLatest";
 import {
   isBlock,
+  isInterruptible,
   MAX_STEP_NAME,
   MAX_TIMEOUT_S,
   MAX_TRIES,
@@ -279,7 +281,7 @@ export function Options({ step, later, errors, set }: FieldsProps & { later: rea
   const { onFailure } = step;
   const target = typeof onFailure === "object" ? onFailure.go_to : null;
   const targets = target === null || later.includes(target) ? later : [...later, target];
-  const wrong = ["name", "timeout_s", "tries", "on_failure"].some(
+  const wrong = ["name", "timeout_s", "tries", "on_failure", "interruptible"].some(
     (path) => errorAt(errors, path) !== undefined,
   );
   const [opened, setOpened] = useState(false);
@@ -287,6 +289,7 @@ export function Options({ step, later, errors, set }: FieldsProps & { later: rea
     tries: Number(step.tries),
     timeout_s: step.timeout === "" ? null : Number(step.timeout),
     on_failure: step.onFailure,
+    interruptible: isInterruptible(step.kind) && step.interruptible,
   });
   return (
     <details
@@ -350,6 +353,15 @@ export function Options({ step, later, errors, set }: FieldsProps & { later: rea
             error={errorAt(errors, "name")}
             onChange={(event) => set({ name: event.currentTarget.value }, "name")}
           />
+          {isInterruptible(step.kind) && (
+            <Checkbox
+              label="Leave it when the robot has to charge"
+              description="Its goal is canceled, and the step begins again afterwards. Otherwise it is finished first."
+              checked={step.interruptible}
+              error={errorAt(errors, "interruptible")}
+              onChange={(event) => set({ interruptible: event.currentTarget.checked }, "interruptible")}
+            />
+          )}
         </div>
       )}
     </details>

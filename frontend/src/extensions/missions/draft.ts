@@ -15,6 +15,7 @@ export const { maxItems: MAX_STEPS } = LIMITS_OF_MISSION.steps;
 export const { minimum: MIN_TIMEOUT_S, maximum: MAX_TIMEOUT_S } = LIMITS_OF_MISSION["steps[].timeout_s"];
 export const { minimum: MIN_TRIES, maximum: MAX_TRIES } = LIMITS_OF_MISSION["steps[].tries"];
 export const { maximum: MAX_TIMES } = LIMITS_OF_MISSION["steps[].repeat.times"];
+export const { maximum: MAX_BELOW } = LIMITS_OF_MISSION["battery.below"];
 export const { maxLength: MAX_STEP_NAME } = LIMITS_OF_MISSION["steps[].name"];
 export const { maxLength: MAX_NOTICE } = LIMITS_OF_MISSION["steps[].notify.text"];
 export const { maximum: MAX_WAIT_S } = LIMITS_OF_MISSION["steps[].wait.seconds"];
@@ -82,8 +83,16 @@ export interface StepDraft {
   timeout: number | string;
   tries: number | string;
   onFailure: MissionStep["on_failure"];
+  /** Whether its goal is canceled when the robot has to charge. */
+  interruptible: boolean;
   /** What the gateway has refused, by paths from the step on: `wait.seconds`. */
   refused: readonly FieldError[];
+}
+
+/** When the robot returns to charge, and until when, in percent. */
+export interface BatteryDraft {
+  below: number | string;
+  chargeTo: number | string;
 }
 
 /** A mission as it is put together. */
@@ -94,9 +103,16 @@ export interface Draft {
   group: string | null;
   name: string;
   priority: number | string;
+  /** Null: the mission does not return by itself. */
+  battery: BatteryDraft | null;
   steps: readonly StepDraft[];
   /** What the gateway has refused, besides what is in steps. */
   refused: readonly FieldError[];
+}
+
+/** Whether it sends a goal that can be left for the battery. */
+export function isInterruptible(kind: StepKind): boolean {
+  return kind === "action" || kind === "navigate";
 }
 
 /** Whether it has steps inside of it. */
@@ -136,13 +152,14 @@ export function newStep(kind: StepKind, now: number, change: Partial<StepDraft> 
     timeout: "",
     tries: 1,
     onFailure: "end",
+    interruptible: false,
     refused: [],
     ...change,
   };
 }
 
 export function newMission(robot: string): Draft {
-  return { robot, group: null, name: "", priority: PRIORITY, steps: [], refused: [] };
+  return { robot, group: null, name: "", priority: PRIORITY, battery: null, steps: [], refused: [] };
 }
 
 /** A mission to start from: charge the robot, and drive off the dock. */
@@ -157,17 +174,31 @@ export function exampleMission(robot: string, now: number): Draft {
 
 /** What starts a mission once more. */
 export function draftOf(mission: Mission, now: number, defaultRobot = "/"): Draft {
-  const { robot, group, name, priority } = mission;
+  const { robot, group, name, priority, battery } = mission;
   return {
     robot: robot ?? defaultRobot,
     group,
     name: name ?? "",
     priority,
+    battery: battery && { below: percentOf(battery.below), chargeTo: percentOf(battery.charge_to) },
     steps: mission.steps
       .filter((step) => depthOf(step) === 0)
       .map((step) => stepOf(step, mission.steps, now)),
     refused: [],
   };
+}
+
+/** What a robot charges for, unless somebody says otherwise. */
+export const USUAL_BATTERY: BatteryDraft = { below: 25, chargeTo: 80 };
+
+/** In percent, with a tenth. */
+function percentOf(charge: number): number {
+  return Math.round(charge * 1000) / 10;
+}
+
+/** 0 to 1. */
+function chargeOf(percent: number | string): number {
+  return Math.round(Number(percent) * 10) / 1000;
 }
 
 /** The request of the steps inside of a step, of all those of a mission. */
@@ -182,13 +213,14 @@ const SINGLE = ["dock", "undock", "navigate", "action", "wait", "notify", "call"
 
 /** A step as it was sent, with those inside of it. */
 function requestOf(step: MissionStep, all: readonly MissionStep[]): Json {
-  const { repeat, first_that_works, name, timeout_s, tries, on_failure } = step;
+  const { repeat, first_that_works, name, timeout_s, tries, on_failure, interruptible } = step;
   const entries: [string, unknown][] = SINGLE.map((kind) => [kind, step[kind]]);
   if (repeat !== null) entries.push(["repeat", { times: repeat.times, steps: insideOf(step, all) }]);
   if (first_that_works !== null) entries.push(["first_that_works", insideOf(step, all)]);
   entries.push(["name", name], ["timeout_s", timeout_s]);
   if (tries !== 1) entries.push(["tries", tries]);
   if (on_failure !== "end") entries.push(["on_failure", on_failure]);
+  if (interruptible) entries.push(["interruptible", true]);
   return Object.fromEntries(entries.filter(([, value]) => value !== null)) as Json;
 }
 
@@ -199,6 +231,7 @@ function stepOf(step: MissionStep, all: readonly MissionStep[], now: number): St
       timeout: step.timeout_s ?? "",
       tries: step.tries,
       onFailure: step.on_failure,
+      interruptible: step.interruptible,
       ...fields,
     });
   const content = () => JSON.stringify(insideOf(step, all), null, 1);
@@ -236,7 +269,7 @@ function placeOf({ place, pose, poses }: NonNullable<MissionStep["navigate"]>): 
 
 function waitOf(wait: MissionStep["wait"]): Partial<StepDraft> {
   if (wait?.seconds != null) return { wait: "seconds", seconds: wait.seconds };
-  if (wait?.battery != null) return { wait: "battery", charge: Math.round(wait.battery * 1000) / 10 };
+  if (wait?.battery != null) return { wait: "battery", charge: percentOf(wait.battery) };
   if (wait?.until == null) return { wait: "person" };
   const until = Date.parse(wait.until);
   return { wait: "until", day: dayOf(until), clock: clockOf(until) };
@@ -250,8 +283,10 @@ export function withMoved(steps: readonly StepDraft[], index: number, by: -1 | 1
 }
 
 /** The request that starts a mission: JSON, as goals are written, so that no number in them is rounded. */
-export function bodyOf({ group, name, priority, steps }: Draft, by: string | null): string {
-  const own = { name: name.trim() || null, priority: Number(priority), by };
+export function bodyOf({ group, name, priority, battery, steps }: Draft, by: string | null): string {
+  const limits = battery && { below: chargeOf(battery.below), charge_to: chargeOf(battery.chargeTo) };
+  const fields = { name: name.trim() || null, priority: Number(priority), by };
+  const own = { ...fields, ...(limits && { battery: limits }) };
   const head = JSON.stringify(group === null ? own : { ...own, group });
   return `${head.slice(0, -1)},"steps":[${steps.map(stepText).join(",")}]}`;
 }
@@ -270,6 +305,7 @@ function stepText(step: StepDraft): string {
     ...(step.timeout === "" ? {} : { timeout_s: Number(step.timeout) }),
     tries: Number(step.tries),
     on_failure: step.onFailure,
+    ...(isInterruptible(step.kind) && step.interruptible ? { interruptible: true } : {}),
   };
   return `{"${step.kind}":${whatText(step)},${JSON.stringify(options).slice(1)}`;
 }
@@ -314,7 +350,7 @@ function waitBody({ wait, seconds, day, clock, charge }: StepDraft) {
     case "seconds":
       return { seconds: Number(seconds) };
     case "battery":
-      return { battery: Math.round(Number(charge) * 10) / 1000 };
+      return { battery: chargeOf(charge) };
     case "until":
       return { until: new Date(timeAt(day, clock) ?? 0).toISOString() };
     case "person":

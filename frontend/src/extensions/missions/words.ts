@@ -36,6 +36,8 @@ const ERRORS: Record<string, string> = {
   place_not_found: "The place is not there any more",
   goal_canceled: "The goal was canceled",
   invalid_field: "The action does not accept this goal",
+  low_battery: "The robot charges first, as its battery is low",
+  off_charger: "The battery was discharging on the dock",
   step_interrupted: "The gateway ended during this step: nobody knows whether it was carried out",
 };
 
@@ -160,13 +162,21 @@ const HOLDS: Record<NonNullable<Mission["held_for"]>, Hold> = {
   },
   person: { title: "Waiting for a person", words: "Check the robot, then press Continue." },
   paused: { title: "Paused", words: "Continue goes on with this step." },
+  approval: {
+    title: "An agent asks for it",
+    words: "Check its steps and that the area is clear. Continue lets it begin; Cancel refuses it.",
+  },
+  recharge: {
+    title: "The robot could not be charged",
+    words: "Check the robot and its dock. Continue tries it again; Skip step goes on without it.",
+  },
 };
 const NOT_BEGUN: Hold = { title: "Paused", words: "It does not begin until someone continues it." };
 
 /** Why a mission is held; null where it is not. */
 export function holdOf({ held_for, started_at }: Pick<Mission, "held_for" | "started_at">): Hold | null {
   if (held_for === null) return null;
-  return started_at === null ? NOT_BEGUN : HOLDS[held_for];
+  return started_at === null && held_for !== "approval" ? NOT_BEGUN : HOLDS[held_for];
 }
 
 /** Who takes a mission: its robot, or one of its group. */
@@ -199,6 +209,22 @@ const WAITS: Record<NonNullable<Mission["waits_for"]>, string> = {
   history: "The history does not answer. Nothing begins without it.",
 };
 
+const RECHARGES: Record<NonNullable<Mission["recharge"]>["stage"], string> = {
+  docking: "Returning to its dock",
+  charging: "Charging",
+  undocking: "Leaving its dock",
+};
+
+/** What the robot does during a break for its battery; null: it is at its step. */
+export function breakWords({ recharge }: Pick<Mission, "recharge">): string | null {
+  return recharge && RECHARGES[recharge.stage];
+}
+
+/** `Returns below 25 %, charges to 80 %` */
+export function limitWords({ below, charge_to }: NonNullable<Mission["battery"]>): string {
+  return `Returns below ${percentWords(below)}, charges to ${percentWords(charge_to)}`;
+}
+
 /**
  * What a mission that is on its way waits for.
  *
@@ -209,6 +235,7 @@ export function nowWords(mission: Mission, charge: number | null, now: number): 
   if (mission.status === "canceling") return "Its goal is being canceled.";
   const step = mission.steps[mission.step];
   if (mission.waits_for === null || step === undefined) return "";
+  if (mission.recharge !== null) return rechargeWords(mission, charge);
   if (mission.waits_for === "battery" && step.wait?.battery != null) {
     const goal = `goes on at ${percentWords(step.wait.battery)}`;
     return charge === null
@@ -224,6 +251,15 @@ export function nowWords(mission: Mission, charge: number | null, now: number): 
   return WAITS[mission.waits_for];
 }
 
+/** What a break waits for. */
+function rechargeWords({ recharge, battery, waits_for }: Mission, charge: number | null): string {
+  if (recharge === null || waits_for === null) return "";
+  if (waits_for === "retry") return `Try ${recharge.tried + 1} begins within half a minute`;
+  if (recharge.stage !== "charging" || waits_for !== "battery") return WAITS[waits_for];
+  const level = charge === null ? "The battery's charge is unknown" : `Battery at ${percentWords(charge)}`;
+  return battery === null ? level : `${level}; the mission goes on at ${percentWords(battery.charge_to)}`;
+}
+
 /** When a step that waits for a time ends (ms); null for other steps. */
 function endOf({ wait, started_at }: MissionStep): number | null {
   if (wait?.until != null) return Date.parse(wait.until);
@@ -236,12 +272,14 @@ export function optionWords({
   tries,
   timeout_s,
   on_failure,
-}: Pick<MissionStep, "tries" | "timeout_s" | "on_failure">): string {
+  interruptible,
+}: Pick<MissionStep, "tries" | "timeout_s" | "on_failure" | "interruptible">): string {
   const words = [
     ...(tries > 1 ? [`up to ${tries} tries`] : []),
     ...(timeout_s === null ? [] : [`at most ${secondsWords(timeout_s)}`]),
     ...(on_failure === "next" ? ["goes on if it fails"] : []),
     ...(typeof on_failure === "object" ? [`goes to ${on_failure.go_to} if it fails`] : []),
+    ...(interruptible ? ["left to charge"] : []),
   ];
   return words.join(", ");
 }

@@ -3,8 +3,10 @@ import type { MessageShape } from "../../actions/form/shapes";
 import type { FieldError } from "../../actions/form/write";
 import { timeAt } from "../../ui/time";
 import {
+  type BatteryDraft,
   type Draft,
   isBlock,
+  MAX_BELOW,
   MAX_PRIORITY,
   MAX_STEPS,
   MAX_TIMEOUT_S,
@@ -24,13 +26,25 @@ export interface Wrong extends FieldError {
 }
 
 /** What is wrong with a mission itself, by the field. */
-export function missionErrors({ priority, steps }: Draft): Wrong[] {
-  const errors: Wrong[] = [];
+export function missionErrors({ priority, battery, steps }: Draft): Wrong[] {
+  const errors: Wrong[] = battery === null ? [] : batteryErrors(battery);
   if (!isWithin(priority, MIN_PRIORITY, MAX_PRIORITY) || !Number.isInteger(priority))
     errors.push({ path: "priority", detail: `A whole number from ${MIN_PRIORITY} to ${MAX_PRIORITY}` });
   if (steps.length === 0) errors.push({ path: "steps", detail: "Add a step.", missing: true });
   if (steps.length > MAX_STEPS) errors.push({ path: "steps", detail: `At most ${MAX_STEPS} steps` });
   return errors;
+}
+
+/** In percent: what lies between the charge at which a robot returns and the one with which it goes on. */
+const LEAST_CHARGE = 5;
+
+function batteryErrors({ below, chargeTo }: BatteryDraft): Wrong[] {
+  const highest = MAX_BELOW * 100;
+  if (!isWithin(below, 1, highest)) return [{ path: "battery.below", detail: `From 1 to ${highest} %` }];
+  const least = Math.round((Number(below) + LEAST_CHARGE) * 10) / 10;
+  return isWithin(chargeTo, least, 100)
+    ? []
+    : [{ path: "battery.charge_to", detail: `From ${least} to 100 %` }];
 }
 
 /** What is wrong with a step, by paths from the step on. @param now In the gateway's time (ms). */

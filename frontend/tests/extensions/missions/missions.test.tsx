@@ -21,12 +21,15 @@ import {
 import { groupQueuesOf, queuesOf, withMission } from "../../../src/extensions/missions/queue";
 import type { Mission, MissionStep } from "../../../src/extensions/missions/requests";
 import {
+  breakWords,
   depthOf,
   errorWords,
   holdOf,
+  limitWords,
   missionName,
   nowWords,
   numberOf,
+  optionWords,
   stepPlace,
   stepWords,
 } from "../../../src/extensions/missions/words";
@@ -70,6 +73,7 @@ const DOCK: MissionStep = {
   timeout_s: null,
   tries: 1,
   on_failure: "end",
+  interruptible: false,
   status: "waiting",
   attempt: 0,
   drives_to: null,
@@ -117,6 +121,7 @@ const NIGHT: Mission = {
   name: "Night",
   priority: 50,
   order: 1,
+  battery: null,
   status: "running",
   held_for: null,
   pausing: false,
@@ -130,6 +135,7 @@ const NIGHT: Mission = {
   started_at: "2026-11-30T02:00:01Z",
   finished_at: null,
   waits_for: "goal",
+  recharge: null,
   steps: [
     { ...DOCK, status: "running", attempt: 1, goal_id: "3f0c", started_at: "2026-11-30T02:00:02Z" },
     CHARGE,
@@ -146,6 +152,16 @@ const QUEUED: Mission = {
   steps: [DOCK],
 };
 const ANY: Mission = { ...QUEUED, mission_id: "any", robot: null, group: "pickers", waits_for: "robot" };
+const LIMITS = { below: 0.25, charge_to: 0.8 };
+const BREAK: NonNullable<Mission["recharge"]> = {
+  number: 1,
+  stage: "charging",
+  started_at: "2026-11-30T02:30:00Z",
+  tried: 0,
+  goal_id: null,
+  error: null,
+};
+const CHARGING: Mission = { ...NIGHT, battery: LIMITS, recharge: BREAK, waits_for: "battery" };
 const HELD: Mission = { ...NIGHT, status: "held", held_for: "stop", waits_for: "continue" };
 const FAILED: Mission = {
   ...NIGHT,
@@ -215,6 +231,20 @@ describe("the words", () => {
     expect(stepWords(hall)).toBe("Drive to x 1.5 m, y -2 m in hall");
     expect(missionName(NIGHT)).toBe("Night");
     expect(missionName({ name: null, steps: [DOCK, COUNT, DOCK, DOCK] })).toBe("Dock, Fibonacci, Dock, …");
+  });
+
+  it("say what a robot does during a break for its battery", () => {
+    const words = (change: Partial<Mission>, charge: number | null = 0.43) =>
+      spaces(nowWords({ ...CHARGING, ...change }, charge, NOW));
+    expect(words({})).toBe("Battery at 43 %; the mission goes on at 80 %");
+    expect(words({ battery: null }, null)).toBe("The battery's charge is unknown");
+    const docking = { ...BREAK, stage: "docking", tried: 1 } as const;
+    expect(words({ recharge: docking, waits_for: "retry" })).toBe("Try 2 begins within half a minute");
+    expect(words({ recharge: docking, waits_for: "goal" })).toBe("The goal is running");
+    expect(spaces(limitWords(LIMITS))).toBe("Returns below 25 %, charges to 80 %");
+    expect([CHARGING, NIGHT].map(breakWords)).toEqual(["Charging", null]);
+    expect(optionWords({ ...DRIVE, interruptible: true })).toBe("left to charge");
+    expect(holdOf({ held_for: "approval", started_at: null })?.title).toBe("An agent asks for it");
   });
 
   it("say what a mission waits for", () => {
@@ -351,6 +381,23 @@ describe("a draft", () => {
     expect(wrong("notify", { text: " " })).toEqual(["notify.text"]);
   });
 
+  it("has the battery in percent", () => {
+    const drive = { ...DRIVE, interruptible: true };
+    const draft = draftOf({ ...NIGHT, battery: { below: 0.255, charge_to: 0.9 }, steps: [drive] }, NOW);
+    expect(draft.battery).toEqual({ below: 25.5, chargeTo: 90 });
+    expect(JSON.parse(bodyOf(draft, null))).toMatchObject({
+      battery: { below: 0.255, charge_to: 0.9 },
+      steps: [{ interruptible: true }],
+    });
+    const wrong = (below: number | string, chargeTo: number | string) =>
+      missionErrors({ ...draft, battery: { below, chargeTo } }).map(({ path, detail }) => [path, detail]);
+    expect(wrong(25, 30)).toEqual([]);
+    expect(wrong(25, 29)).toEqual([["battery.charge_to", "From 30 to 100 %"]]);
+    expect(wrong(96, 100)).toEqual([["battery.below", "From 1 to 95 %"]]);
+    expect(wrong("", 80)).toEqual([["battery.below", "From 1 to 95 %"]]);
+    expect(wrong(25, "")).toEqual([["battery.charge_to", "From 30 to 100 %"]]);
+  });
+
   it("says what is wrong with it", () => {
     expect(missionErrors({ ...newMission("/"), priority: 101 }).map(({ path }) => path)).toEqual([
       "priority",
@@ -417,6 +464,34 @@ describe("the page", () => {
     expect(within(section).queryByRole("button", { name: "Continue: Dock" })).toBeNull();
     await user.click(within(section).getByRole("button", { name: "Continue: After a stop" }));
     await waitFor(() => expect(asked.map(({ path }) => path)).toEqual(["/missions/h/continue"]));
+  });
+
+  it("shows a break for the battery, and lets one be asked for by pressing", async () => {
+    const failed = { code: "no_dock", detail: "the dock was not seen" };
+    const docking: Mission = {
+      ...CHARGING,
+      waits_for: "retry",
+      recharge: { ...BREAK, stage: "docking", tried: 1, goal_id: "5e1d", error: failed },
+    };
+    const asked = answering([docking]);
+    const { user } = open();
+    const card = await screen.findByRole("article", { name: "Night" });
+    expect(within(card).getByText("Returning to its dock")).toBeDefined();
+    expect(within(card).getByText(/the dock was not seen/i)).toBeDefined();
+    expect(within(card).getByRole("link", { name: "Goal 5e1d" })).toBeDefined();
+    expect(within(card).getByText("Then Step 1 of 3: Dock")).toBeDefined();
+    await user.click(screen.getByRole("button", { name: "New mission" }));
+    await user.click(await screen.findByRole("button", { name: "Add step: Dock" }));
+    await user.click(screen.getByRole("checkbox", { name: /Return to charge/ }));
+    const chargeTo = screen.getByRole("textbox", { name: "Charges to" });
+    await user.clear(chargeTo);
+    await user.type(chargeTo, "20");
+    expect(screen.getByText("From 30 to 100 %")).toBeDefined();
+    await user.clear(chargeTo);
+    await user.type(chargeTo, "60");
+    await user.click(screen.getByRole("button", { name: "Start mission" }));
+    await waitFor(() => expect(asked).toHaveLength(1));
+    expect(JSON.parse(asked[0]?.body ?? "").battery).toEqual({ below: 0.25, charge_to: 0.6 });
   });
 
   it("teaches where there is nothing, and starts an example by pressing", async () => {

@@ -125,3 +125,24 @@ def test_what_the_gateway_refuses_is_shown_at_its_field(page: Page, gateway: Run
     statuses = [each["status"] for each in gateway.http.get("/missions").json()["missions"]]
     assert "queued" not in statuses
     assert "running" not in statuses
+
+
+def test_a_robot_charges_and_goes_on(page: Page, gateway: RunningGateway) -> None:
+    gateway.http.post("/simulator/reset").raise_for_status()
+    page.goto(f"{gateway.url}/ui/missions/new")
+    page.get_by_label("Name", exact=True).fill("Charged")
+    add(page, "Wait")
+    page.get_by_role("checkbox", name="Return to charge").check()
+    charge = page.get_by_role("textbox", name="Charges to")
+    charge.fill("20")
+    expect(page.get_by_text("From 30 to 100 %")).to_be_visible()
+    charge.fill("90")
+    expect_fits(page)
+    page.get_by_role("button", name="Start mission").click()
+    mission = page.get_by_role("article", name="Charged")
+    expect(mission).to_contain_text(re.compile("Returns below 25.%, charges to 90.%"))
+    expect(mission).to_contain_text("Then Step 1 of 1: Wait")
+    expect(mission).to_contain_text(re.compile("Charging.*the mission goes on at 90.%", re.DOTALL))
+    expect_fits(page)
+    page.get_by_role("button", name="Cancel: Charged").click()
+    expect(page.get_by_role("row").filter(has_text="Charged")).to_contain_text("Canceled")

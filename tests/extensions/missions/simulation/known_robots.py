@@ -4,6 +4,7 @@ from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
+from dock_gateway.core.battery import BatteryReading
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.filters import GoalFilter, is_under
 from dock_gateway.core.goal import Goal
@@ -26,7 +27,7 @@ class KnownRobots:
         self._robots = {name: _robot(robot) for name, robot in robots.items()}
         self.default_namespace = next(iter(robots))
         self.at_work = Hooks[Callable[[str], bool]]()
-        self.on_low_battery = Listeners[[str]]("a battery is low")
+        self.on_low_battery = Listeners[[str, float]]("a robot at work has to charge")
 
     def namespaces(self) -> list[str]:
         return sorted(self._robots)
@@ -72,7 +73,7 @@ class Battery:
 
     @property
     def reading(self) -> Any:
-        return SimpleNamespace(percentage=self._robot.charge)
+        return BatteryReading(percentage=self._robot.charge)
 
 
 def _robot(robot: Robot) -> Any:

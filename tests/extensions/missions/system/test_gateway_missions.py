@@ -8,6 +8,9 @@ from typing import Any
 
 import pytest
 
+from dock_gateway.extensions.missions.runner import INTERVAL
+from tests.support.docking import FAST, UNMEASURED
+from tests.support.docking import PATIENT as RELIABLE
 from tests.support.gateway import (
     CHARGING,
     LOW,
@@ -311,3 +314,91 @@ def test_automatic_docking_waits_for_a_mission(domain: int) -> None:
         until(gateway, waiting, "canceled")
         wait_until(lambda: waits_for() != "at_work", "the end of the mission")
         wait_until(lambda: goals(gateway), "the goal of the rule")
+
+
+LIMITS = {"below": 0.25, "charge_to": 0.3}
+# A robot near its dock, whose battery takes 4 s for a percent.
+NEAR = (
+    "-p",
+    FAST,
+    "-p",
+    "start_x:=-1.1",
+    "-p",
+    "start_y:=0.1",
+    "-p",
+    "start_theta:=-0.1",
+    "-p",
+    "charge_current:=65.0",
+)
+STEADY = ("-p", "controller:=dock_pose", "-p", RELIABLE, "-p", UNMEASURED)
+
+
+def until_stage(gateway: RunningGateway, mission_id: str, stage: str) -> dict[str, Any]:
+    """Wait until the robot of a mission has come so far with its charging; return the mission."""
+    wait_until(lambda: (mission(gateway, mission_id)["recharge"] or {"stage": None})["stage"] == stage, stage)
+    return mission(gateway, mission_id)
+
+
+def kill(gateway: RunningGateway) -> None:
+    gateway.process.send_signal(signal.SIGKILL)
+    gateway.process.wait()
+
+
+def test_a_robot_returns_to_charge_and_its_mission_goes_on(domain: int, tmp_path: Path) -> None:
+    """Also if the gateway is killed while the robot docks, and while it charges: each goal is sent once."""
+    kept = {"database_url": f"sqlite:///{tmp_path}/history.db", "spool_path": f"{tmp_path}/spool"}
+    with (
+        running_program(domain, "dock_simulator", *NEAR),
+        running_program(domain, "docking_server", *STEADY),
+        running_program(domain, "fibonacci_action_server"),
+    ):
+        with running_gateway(domain, **kept) as gateway:
+            gateway.wait_until_ready()
+            wait_until(lambda: gateway.http.get("/actions/fibonacci").status_code == 200, "the action")
+            wait_until(lambda: gateway.http.get("/battery").json()["percentage"], "the battery")
+            round_ = post(gateway, FIBONACCI, battery=LIMITS)
+            until_stage(gateway, round_, "docking")
+            wait_until(lambda: mission(gateway, round_)["recharge"]["goal_id"], "the goal")
+            kill(gateway)
+        with running_gateway(domain, **kept) as gateway:
+            until_stage(gateway, round_, "charging")
+            kill(gateway)
+        with running_gateway(domain, **kept) as gateway:
+            assert until_stage(gateway, round_, "charging")["steps"][0]["attempt"] == 0
+            until_stage(gateway, round_, "undocking")
+            found = until(gateway, round_, "succeeded", recharge=None)
+            sent = goals(gateway)
+            assert [goal["status"] for goal in sent] == 3 * ["succeeded"]
+            assert [goal["verb"] for goal in sent] == ["dock", "undock", None]
+            assert sent[2]["goal_id"] == found["steps"][0]["goal_id"]
+
+
+def test_a_stop_holds_a_return_too(domain: int) -> None:
+    with ready_gateway(domain) as gateway:
+        gateway.publish(LOW)
+        round_ = post(gateway, {"wait": {"seconds": 600}}, battery=LIMITS)
+        until(gateway, round_, "running", waits_for="goal")
+        gateway.http.post("/stop").raise_for_status()
+        until(gateway, round_, "held", held_for="stop")
+        gateway.http.delete("/stop").raise_for_status()
+        until(gateway, round_, "held", waits_for="continue")
+        time.sleep(2 * INTERVAL)
+        assert len(goals(gateway)) == 1
+        change(gateway, round_, "continue")
+        until(gateway, round_, "running", waits_for="goal")
+        gateway.publish(CHARGING)
+        until_stage(gateway, round_, "charging")
+        assert len(goals(gateway)) == 2
+
+
+def test_a_rule_asks_a_mission_to_let_its_robot_charge(domain: int) -> None:
+    pytest.importorskip("dock_gateway.extensions.automation")
+    rule = {"name": "Low", "mode": "on", "robots": {"all": True}, "battery": {"below": 0.3, "idle_s": 10}}
+    with ready_gateway(domain) as gateway:
+        gateway.publish(LOW | {"percentage": 0.1})
+        waiting = post(gateway, {"wait": {"seconds": 600}})
+        until(gateway, waiting, "running", waits_for="time")
+        gateway.http.put("/automation/rules/low", json=rule).raise_for_status()
+        until_stage(gateway, waiting, "docking")
+        wait_until(lambda: goals(gateway), "the goal of the mission")
+        assert gateway.http.get("/automation/decisions").json()["decisions"] == []

@@ -81,7 +81,7 @@ export interface ScheduleDraft {
   /** JSON. */
   steps: string;
   /** What else its missions have. */
-  kept: { name: string | null; priority: number | null };
+  kept: Pick<Schedule["mission"], "name" | "priority" | "battery">;
   when: When;
   day: string;
   clock: string;
@@ -103,7 +103,11 @@ export function draftOf(schedule: NamedSchedule | null, robot: string, now: numb
     template: mission?.template ?? "",
     typed: Object.fromEntries(given) as Record<string, string>,
     steps: JSON.stringify(plain(mission?.steps ?? [{ undock: {} }, { dock: {} }]), null, 1),
-    kept: { name: mission?.name ?? null, priority: mission?.priority ?? null },
+    kept: {
+      name: mission?.name ?? null,
+      priority: mission?.priority ?? null,
+      battery: mission?.battery ?? null,
+    },
     when: once != null ? "once" : every != null ? "every" : "daily",
     day: dayOf(at),
     clock: clockOf(at),
