@@ -4593,7 +4593,7 @@ export interface components {
             if_running: components["schemas"]["IfRunning"];
             /** Robot */
             robot: string;
-            last: components["schemas"]["Outcome"] | null;
+            last: components["schemas"]["ScheduleOutcome"] | null;
             /** Changed By */
             changed_by: string | null;
             /**
@@ -4799,32 +4799,10 @@ export interface components {
          */
         Once: {
             /**
-             * At
-             * Format: date-time
-             */
-            at: string;
-        };
-        /**
-         * Outcome
-         * @description What came of the last time: `mission_id`, or why no mission was queued.
-         */
-        Outcome: {
-            /**
              * Due At
              * Format: date-time
              */
             due_at: string;
-            /**
-             * Decided At
-             * Format: date-time
-             */
-            decided_at: string;
-            /** Mission Id */
-            mission_id: string | null;
-            /** Code */
-            code: string | null;
-            /** Detail */
-            detail: string | null;
         };
         /**
          * Parameter
@@ -5866,6 +5844,28 @@ export interface components {
              * @description IANA name, such as Europe/Berlin
              */
             time_zone: string;
+        };
+        /**
+         * ScheduleOutcome
+         * @description What came of the last time: `mission_id`, or why no mission was queued.
+         */
+        ScheduleOutcome: {
+            /**
+             * Due At
+             * Format: date-time
+             */
+            due_at: string;
+            /**
+             * Decided At
+             * Format: date-time
+             */
+            decided_at: string;
+            /** Mission Id */
+            mission_id: string | null;
+            /** Code */
+            code: string | null;
+            /** Detail */
+            detail: string | null;
         };
         /**
          * SendGoalCommand
@@ -12487,7 +12487,7 @@ export interface operations {
                     };
                     once?: {
                         /** Format: date-time */
-                        at: string;
+                        due_at: string;
                     } | null;
                     daily?: {
                         times: string[];

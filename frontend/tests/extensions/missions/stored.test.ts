@@ -125,7 +125,7 @@ describe("schedules", () => {
       every: { minutes: 90 },
       if_running: "queue",
     });
-    const once: NamedSchedule = { ...NIGHT, daily: null, once: { at: "2026-12-01T06:00:00Z" } };
+    const once: NamedSchedule = { ...NIGHT, daily: null, once: { due_at: "2026-12-01T06:00:00Z" } };
     expect(scheduleBody(scheduleDraft(once, "/", NOW), [FETCH], true, null).once).toEqual({
       at: "2026-12-01T06:00:00.000Z",
     });

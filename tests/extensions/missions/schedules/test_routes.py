@@ -48,8 +48,8 @@ def test_a_schedule_is_stored_switched_off_and_removed(client: Client) -> None:
         ({"daily": None}, ""),
         (HOURLY, ""),
         ({"daily": None, "every": {"minutes": 0}}, "every.minutes"),
-        ({"daily": None, "once": {"at": "tomorrow"}}, "once.at"),
-        ({"daily": None, "once": {"at": "2020-01-01T00:00:00Z"}}, "once.at"),
+        ({"daily": None, "once": {"due_at": "tomorrow"}}, "once.due_at"),
+        ({"daily": None, "once": {"due_at": "2020-01-01T00:00:00Z"}}, "once.due_at"),
         ({"daily": DAILY["daily"] | {"times": ["24:00"]}}, "daily.times.0"),
         ({"daily": DAILY["daily"] | {"weekdays": ["funday"]}}, "daily.weekdays.0"),
         ({"daily": DAILY["daily"] | {"time_zone": "Europe/Atlantis"}}, "daily.time_zone"),
@@ -77,7 +77,7 @@ def test_what_is_not_there_or_not_allowed(client: Client) -> None:
     assert gone["code"] == "template_not_found"
     refused = one(client, "PUT", "night", 403, json=NIGHT | {"mission": {"steps": [{"call": {"service": "/other"}}]}})
     assert refused["code"] == "not_allowed"
-    past = {"mission": MISSION, "once": {"at": "2020-01-01T00:00:00Z"}, "enabled": False}
+    past = {"mission": MISSION, "once": {"due_at": "2020-01-01T00:00:00Z"}, "enabled": False}
     assert one(client, "PUT", "old", 201, json=past)["next_at"] is None
 
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
 from dock_gateway.extensions.missions.schedules.rule import MAKE_UP, Run, Skip, decide, mission_id_of
-from dock_gateway.extensions.missions.schedules.schedule import Outcome
+from dock_gateway.extensions.missions.schedules.schedule import ScheduleOutcome
 from tests.extensions.missions.examples import NOON
 from tests.extensions.missions.schedules.examples import body, schedule
 
@@ -22,7 +22,7 @@ def test_a_time_is_due_from_then_on() -> None:
     assert decide("a", hourly, (), NOON + 59 * MINUTE) is None
     due = NOON + 60 * MINUTE
     assert decide("a", hourly, (), due) == Run(due, mission_id_of("a", due))
-    assert decide("a", hourly.decided(Outcome(due_at=due, decided_at=due)), (), due + MINUTE) is None
+    assert decide("a", hourly.decided(ScheduleOutcome(due_at=due, decided_at=due)), (), due + MINUTE) is None
     assert decide("a", schedule(NOON, enabled=False), (), due) is None
     assert mission_id_of("a", due) != mission_id_of("b", due)
 
@@ -51,7 +51,7 @@ def test_a_mission_that_has_not_ended() -> None:
 
 
 TIMES = st.sampled_from(
-    [{"every": {"minutes": 1}}, {"every": {"minutes": 45}}, {"daily": BERLIN}, {"once": {"at": "2026-11-30T13:00:00Z"}}]
+    [{"every": {"minutes": 1}}, {"every": {"minutes": 45}}, {"daily": BERLIN}, {"once": {"due_at": "2026-11-30T13:00:00Z"}}]
 )
 
 
@@ -73,7 +73,7 @@ class ScheduleMachine(RuleBasedStateMachine):
             return
         assert self.stored.enabled
         assert self.stored.after < found.due_at <= self.now
-        outcome = Outcome(due_at=found.due_at, decided_at=self.now)
+        outcome = ScheduleOutcome(due_at=found.due_at, decided_at=self.now)
         if isinstance(found, Run) and found.mission_id not in self.queued:  # else it is found by its id
             assert self.now - found.due_at <= MAKE_UP
             assert not self.open or self.stored.if_running == "queue"

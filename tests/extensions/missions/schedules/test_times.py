@@ -173,10 +173,10 @@ def test_every_so_many_minutes_from_when_it_was_stored(minutes: int, seconds: in
 
 
 def test_once() -> None:
-    once = Once.model_validate_json('{"at": "2026-12-01T07:00:00+01:00"}')
+    once = Once.model_validate_json('{"due_at": "2026-12-01T07:00:00+01:00"}')
     assert series(once, SINCE, SINCE + 1000 * DAY) == [utc("2026-12-01T06:00")]
     assert once.last(utc("2026-12-01T05:59"), SINCE) is None
-    assert once.last(utc("2026-12-01T06:00"), SINCE) == once.at
+    assert once.last(utc("2026-12-01T06:00"), SINCE) == once.due_at
 
 
 @pytest.mark.parametrize("zone", ["Europe/Atlantis", "../etc/passwd", "Europe", "", "A" * 70])

@@ -19,7 +19,7 @@ MISSION: dict[str, Any] = {"name": "Round", "steps": [{"wait": {"seconds": 0}}]}
 def store(gateway: RunningGateway, seconds: float) -> datetime:
     """Store a schedule that is due in some seconds; return when."""
     at = datetime.now(UTC) + timedelta(seconds=seconds)
-    body = {"mission": MISSION, "once": {"at": at.isoformat()}}
+    body = {"mission": MISSION, "once": {"due_at": at.isoformat()}}
     assert gateway.http.put("/schedules/round", json=body).status_code == 201
     return at
 

@@ -30,7 +30,7 @@ class IfRunning(StrEnum):
     QUEUE = "queue"
 
 
-class Outcome(Schema):
+class ScheduleOutcome(Schema):
     """What came of the last time: `mission_id`, or why no mission was queued."""
 
     due_at: datetime
@@ -69,7 +69,7 @@ class ScheduleState(ScheduleFields):
     """A schedule, and what came of it. `robot` is that of its missions."""
 
     robot: RosName
-    last: Outcome | None = None
+    last: ScheduleOutcome | None = None
     changed_by: str | None
     changed_at: datetime
 
@@ -88,7 +88,7 @@ class ScheduleEntry(ScheduleState):
         """The first time that is not decided; None: there is none, or it is off."""
         return self.times.next(self.after, self.changed_at) if self.enabled else None
 
-    def decided(self, outcome: Outcome) -> "ScheduleEntry":
+    def decided(self, outcome: ScheduleOutcome) -> "ScheduleEntry":
         """Return the schedule after a time."""
         return self.model_copy(update={"after": outcome.due_at, "last": outcome})
 
@@ -101,7 +101,7 @@ class ScheduleBody(ScheduleFields):
     robot: RobotName | None = None
     by: Name60 | None = None
 
-    def entry(self, robot: str, now: datetime, last: Outcome | None) -> ScheduleEntry:
+    def entry(self, robot: str, now: datetime, last: ScheduleOutcome | None) -> ScheduleEntry:
         """Return the schedule, changed now. What was due before does not count.
 
         Args:

@@ -15,7 +15,7 @@ from dock_gateway.extensions.missions.last_stops import LastStops
 from dock_gateway.extensions.missions.mission import HoldReason, MissionStatus
 from dock_gateway.extensions.missions.missions import Missions
 from dock_gateway.extensions.missions.schedules.rule import Run, Skip, decide
-from dock_gateway.extensions.missions.schedules.schedule import Outcome, ScheduleEntry
+from dock_gateway.extensions.missions.schedules.schedule import ScheduleOutcome, ScheduleEntry
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.storage.shared_entries import SYNC_INTERVAL, SharedBook
 
@@ -103,7 +103,7 @@ class Scheduler:
                 case Run() as run:
                     outcome = await self._queue(schedule_id, schedule, run)
                 case Skip(due_at, code, detail):
-                    outcome = Outcome(due_at=due_at, decided_at=self._clock(), code=code, detail=detail)
+                    outcome = ScheduleOutcome(due_at=due_at, decided_at=self._clock(), code=code, detail=detail)
                 case None:
                     return
             if outcome is not None:
@@ -111,7 +111,7 @@ class Scheduler:
         finally:
             self._busy.discard(schedule_id)
 
-    async def _queue(self, schedule_id: str, schedule: ScheduleEntry, run: Run) -> Outcome | None:
+    async def _queue(self, schedule_id: str, schedule: ScheduleEntry, run: Run) -> ScheduleOutcome | None:
         """Queue a mission; return what came of it, or None if it is to be tried again.
 
         Raises:
@@ -134,7 +134,7 @@ class Scheduler:
             return None
         del self._waits[run.mission_id]
         mission_id = run.mission_id if code is None else None
-        return Outcome(due_at=run.due_at, decided_at=now, mission_id=mission_id, code=code, detail=detail)
+        return ScheduleOutcome(due_at=run.due_at, decided_at=now, mission_id=mission_id, code=code, detail=detail)
 
     async def _held(self, schedule: ScheduleEntry) -> dict[str, Any]:
         """Return the fields of a mission that waits for a person, as its robot was stopped and nobody let it go on.
@@ -156,7 +156,7 @@ class Scheduler:
             return False
         return True
 
-    async def _store(self, schedule_id: str, schedule: ScheduleEntry, outcome: Outcome) -> None:
+    async def _store(self, schedule_id: str, schedule: ScheduleEntry, outcome: ScheduleOutcome) -> None:
         """Store what came of a time, unless another gateway was first, or somebody has changed the schedule.
 
         Raises:
@@ -177,7 +177,7 @@ class Scheduler:
             log.info("schedule %s at %s: %s", schedule_id, outcome.due_at.isoformat(), said)
 
 
-def _is_news(stored: ScheduleEntry, outcome: Outcome) -> bool:
+def _is_news(stored: ScheduleEntry, outcome: ScheduleOutcome) -> bool:
     """Return whether nothing is stored of a time yet, or only that another gateway could not queue its mission."""
     if stored.after != outcome.due_at or stored.last is None:
         return stored.after < outcome.due_at

@@ -88,7 +88,7 @@ class Schedules:
             await self._missions.make(body.mission, robot, grant, None)
         schedule = body.entry(robot, self._clock(), None if known is None else known.last)
         if schedule.enabled and schedule.next_due is None:
-            raise InvalidField([FieldError("once.at", "a time to come", "it is over")])
+            raise InvalidField([FieldError("once.due_at", "a time to come", "it is over")])
         new = await self.book.replace(schedule_id, schedule, condition=condition)
         state = "on" if schedule.enabled else "off"
         log.info("schedule %s for %s: %s, by %s", schedule_id, robot, state, schedule.changed_by)

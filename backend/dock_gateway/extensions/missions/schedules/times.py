@@ -20,15 +20,15 @@ A_WEEK = 10_080  # minutes
 class Once(Schema):
     """Once, at a time."""
 
-    at: Annotated[Time, Strict(False), Field(json_schema_extra=TIME_PATTERN)]
+    due_at: Annotated[Time, Strict(False), Field(json_schema_extra=TIME_PATTERN)]
 
     def next(self, after: datetime, _: datetime) -> datetime | None:
         """Return the first time that is later than another one."""
-        return self.at if self.at > after else None
+        return self.due_at if self.due_at > after else None
 
     def last(self, now: datetime, _: datetime) -> datetime | None:
         """Return the last time that is not later than another one."""
-        return self.at if self.at <= now else None
+        return self.due_at if self.due_at <= now else None
 
 
 class Every(Schema):

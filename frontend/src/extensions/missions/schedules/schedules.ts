@@ -38,7 +38,7 @@ export function dayWords(day: string): string {
 
 /** `Every day at 06:00, 22:00 (Europe/Berlin)`, `Every 1 h 30 min`, `Once, 1 Dec 06:00` */
 export function whenWords({ once, daily, every }: Pick<Schedule, "once" | "daily" | "every">): string {
-  if (once !== null) return `Once, ${formatTime(Date.parse(once.at))}`;
+  if (once !== null) return `Once, ${formatTime(Date.parse(once.due_at))}`;
   if (every !== null) return `Every ${formatDuration(every.minutes * 60_000)}`;
   if (daily === null) return "";
   const days =
@@ -95,7 +95,7 @@ export interface ScheduleDraft {
 /** @param now In the gateway's time (ms). */
 export function draftOf(schedule: NamedSchedule | null, robot: string, now: number): ScheduleDraft {
   const { once, daily, every, mission } = schedule ?? {};
-  const at = once == null ? now + 3_600_000 : Date.parse(once.at);
+  const at = once == null ? now + 3_600_000 : Date.parse(once.due_at);
   const given = Object.entries(mission?.arguments ?? {}).map(([key, value]) => [key, textOf(value)]);
   return {
     name: schedule?.name ?? "",
@@ -173,7 +173,7 @@ export function bodyOf(
       : { ...draft.kept, template: template.id, arguments: argumentsOf(template, draft.typed) };
   const times = draft.times.map((time) => time.padStart(5, "0"));
   const when = {
-    once: { once: { at: new Date(timeAt(draft.day, draft.clock) ?? 0).toISOString() } },
+    once: { once: { due_at: new Date(timeAt(draft.day, draft.clock) ?? 0).toISOString() } },
     daily: { daily: { times, weekdays: draft.weekdays, time_zone: draft.timeZone } },
     every: { every: { minutes: Number(draft.minutes) } },
   }[draft.when];
