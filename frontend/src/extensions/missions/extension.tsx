@@ -1,5 +1,6 @@
 import type { Extension } from "../../extension/extension";
 import { lazyPart } from "../../ui/lazyPart";
+import { RobotMission } from "./openMissions";
 
 export const extension: Extension = {
   name: "missions",
@@ -24,5 +25,5 @@ export const extension: Extension = {
     { path: "/ui/missions/places", Page: lazyPart(() => import("./places/PlacesPage")), at: "gateway" },
     { path: "/ui/missions/:missionId", Page: lazyPart(() => import("./MissionPage")), at: "gateway" },
   ],
-  parts: { robotColumn: lazyPart(() => import("./openMissions")) },
+  parts: { robotColumn: RobotMission },
 };

@@ -44,7 +44,7 @@ const RobotQueue = lazyPart(() => import("./RobotQueue"));
 const LOOK_MS = 5000;
 
 /** The missions of a robot that have not ended; nothing, also to load, where there is none. */
-export default function RobotMission({ robot }: { robot: string }) {
+export function RobotMission({ robot }: { robot: string }) {
   const { data: missions = [] } = useOpenMissions(robot, LOOK_MS);
   return missions.length > 0 && <RobotQueue missions={missions} />;
 }
