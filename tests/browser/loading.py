@@ -46,8 +46,6 @@ def first_visit(browser: Browser, url: str, width: int = 1440, height: int = 100
     with browser.new_context(viewport={"width": width, "height": height}, reduced_motion="reduce") as context:
         page = context.new_page()
         page.add_init_script(WATCH)
-        # The pictures of a simulated robot's camera never end.
-        page.add_init_script("localStorage.setItem('dock-gateway.camera', 'off')")
         devtools = context.new_cdp_session(page)
         kinds: dict[str, str] = {}
         sizes: dict[str, int] = {}

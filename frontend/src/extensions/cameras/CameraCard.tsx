@@ -1,7 +1,7 @@
-import { Button, Group, NativeSelect, Stack, Switch, Text } from "@mantine/core";
+import { Group, NativeSelect, Switch, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { Suspense, useState } from "react";
-import { useFleet, useFleetPart } from "../../fleet/context";
+import { useFleet } from "../../fleet/context";
 import { useLive } from "../../store/context";
 import { Kept, useKept } from "../../ui/kept";
 import { lazyPart } from "../../ui/lazyPart";
@@ -11,13 +11,10 @@ import { type Camera, listCameras } from "./requests";
 
 const REFETCH_MS = 5000;
 const LiveCamera = lazyPart(() => import("./LiveCamera"));
-/**
- * Whether this browser shows cameras; null where nobody has chosen. Their pictures load the robot's network, so those of
- * a real robot are opened on purpose.
- */
-const WATCHING = new Kept<boolean | null>(
+/** Whether this browser shows cameras: their pictures load the robot's network, so each is opened on purpose. */
+const WATCHING = new Kept<boolean>(
   "dock-gateway.camera",
-  (text) => (text === null ? null : text === "on"),
+  (text) => text === "on",
   (on) => (on ? "on" : "off"),
 );
 
@@ -33,8 +30,7 @@ export function CameraCard({ robot }: { robot: string }) {
   // A camera that has gone may come back: the card stays.
   const [known, setKnown] = useState<Camera[]>([]);
   if (data !== undefined && data.length > 0 && data !== known) setKnown(data);
-  const simulated = useFleetPart("robots", (robots) => robots.get(robot)?.simulated ?? false);
-  const watching = useKept(WATCHING) ?? simulated;
+  const watching = useKept(WATCHING);
   const [chosen, choose] = useState<string | null>(null);
   const camera = known.find(({ name }) => name === chosen) ?? known[0];
   if (camera === undefined) return null;
@@ -70,20 +66,9 @@ export function CameraCard({ robot }: { robot: string }) {
             <LiveCamera key={camera.name} robot={robot} camera={camera} />
           </Suspense>
         ) : (
-          <Stack className={classes.off} align="center" justify="center" gap="xs">
-            <Text size="sm" c="dimmed" ta="center">
-              The camera is off: nothing is read from the robot.
-            </Text>
-            <Button
-              variant="default"
-              size="xs"
-              onClick={() => {
-                WATCHING.value = true;
-              }}
-            >
-              Show the picture
-            </Button>
-          </Stack>
+          <Text size="sm" c="dimmed">
+            The camera is off: nothing is read from the robot.
+          </Text>
         )}
       </Section>
     </div>
