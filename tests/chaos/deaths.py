@@ -23,8 +23,8 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 
 from docking.core.geometry import Pose
-from docking.nodes.simulator import LONGEST_LAPSE
 from docking.ros.geometry import pose_from, seconds_of
+from docking.ros.simulator_clock import LONGEST_LAPSE
 from tests.chaos.outages import DOMAIN, NETWORK
 from tests.support.gateway import IMPATIENT, RunningGateway, running_gateway
 from tests.support.observer import EVERYTHING, Observer, ros_observer

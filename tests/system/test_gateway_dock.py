@@ -246,7 +246,7 @@ def test_the_command_line(gateway: RunningGateway, shared_domain: int) -> None:
         assert command.wait() == 0
     gateway.publish(CHARGING)
     with run("stop", "--by", "Ada") as command:
-        command.wait_for("zero velocity published")
+        command.wait_for("zero velocity")
         command.wait_for("goals are refused until the stop is released")
         assert command.wait() == 0
     with run("dock") as command:

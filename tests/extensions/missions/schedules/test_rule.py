@@ -51,7 +51,12 @@ def test_a_mission_that_has_not_ended() -> None:
 
 
 TIMES = st.sampled_from(
-    [{"every": {"minutes": 1}}, {"every": {"minutes": 45}}, {"daily": BERLIN}, {"once": {"due_at": "2026-11-30T13:00:00Z"}}]
+    [
+        {"every": {"minutes": 1}},
+        {"every": {"minutes": 45}},
+        {"daily": BERLIN},
+        {"once": {"due_at": "2026-11-30T13:00:00Z"}},
+    ]
 )
 
 

@@ -332,8 +332,8 @@ class Checks:
             of_robots[robot_of(mission)].append((mission_id, mission))
         for missions in of_robots.values():
             for mission_id, first in missions:
-                if mission_id in self._paused:
-                    continue
+                if mission_id in self._paused or first.schedule is not None:
+                    continue  # those of schedules wait for somebody after a stop
                 for other_id, other in missions:
                     if other.started_at is None or _turn(other) <= _turn(first):
                         continue

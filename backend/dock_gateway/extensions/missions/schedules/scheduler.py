@@ -15,7 +15,7 @@ from dock_gateway.extensions.missions.last_stops import LastStops
 from dock_gateway.extensions.missions.mission import HoldReason, MissionStatus
 from dock_gateway.extensions.missions.missions import Missions
 from dock_gateway.extensions.missions.schedules.rule import Run, Skip, decide
-from dock_gateway.extensions.missions.schedules.schedule import ScheduleOutcome, ScheduleEntry
+from dock_gateway.extensions.missions.schedules.schedule import ScheduleEntry, ScheduleOutcome
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.storage.shared_entries import SYNC_INTERVAL, SharedBook
 
