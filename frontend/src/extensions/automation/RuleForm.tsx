@@ -1,20 +1,9 @@
-import {
-  Alert,
-  Checkbox,
-  Group,
-  NumberInput,
-  SegmentedControl,
-  Select,
-  SimpleGrid,
-  Stack,
-  TagsInput,
-  Text,
-} from "@mantine/core";
-import { useMemo } from "react";
+import { Alert, NumberInput, SegmentedControl, SimpleGrid, Text } from "@mantine/core";
 import { EntryForm } from "../../entries/EntryForm";
 import { useFleetTopic, useNaming } from "../../fleet/context";
 import { RobotFields } from "../../fleet/RobotFields";
 import { isCovered } from "../../fleet/robotChoice";
+import { TimesOfDayFields } from "../../ui/TimesOfDayFields";
 import {
   bodyOf,
   type Draft,
@@ -30,7 +19,6 @@ import {
 } from "./draft";
 import type { Rule } from "./requests";
 import { useRuleCommands } from "./rules";
-import { dayWords, WEEKDAYS } from "./words";
 
 interface RuleFormProps {
   /** Null for a new one. */
@@ -74,7 +62,7 @@ export function RuleForm({ rule, example, rules, onDone }: RuleFormProps) {
           {draft.condition === "battery" ? (
             <BatteryFields draft={draft} errors={errors} onChange={change} />
           ) : (
-            <ScheduleFields draft={draft} errors={errors} onChange={change} />
+            <TimesOfDayFields draft={draft} errors={errors} maxTimes={MAX_TIMES} onChange={change} />
           )}
           <RobotFields chosen={draft} error={errors.names} onChange={change} />
           <Covered draft={draft} />
@@ -136,47 +124,5 @@ function BatteryFields({ draft, errors, onChange }: FieldsProps) {
         onChange={(idleSeconds) => onChange({ idleSeconds })}
       />
     </SimpleGrid>
-  );
-}
-
-/** At which times, on which days, and in which time zone. */
-function ScheduleFields({ draft, errors, onChange }: FieldsProps) {
-  const zones = useMemo(
-    () => [...new Set([draft.timeZone, "UTC", ...Intl.supportedValuesOf("timeZone")])].sort(),
-    [draft.timeZone],
-  );
-  return (
-    <Stack gap="sm">
-      <TagsInput
-        label="Times"
-        description="HH:MM; Enter adds one."
-        maxTags={MAX_TIMES}
-        value={draft.times}
-        error={errors.times}
-        onChange={(times) => onChange({ times })}
-        acceptValueOnBlur
-      />
-      <Checkbox.Group
-        label="Days"
-        value={draft.weekdays}
-        error={errors.weekdays}
-        onChange={(weekdays) => onChange({ weekdays })}
-      >
-        <Group gap="sm" mt={4}>
-          {WEEKDAYS.map((day) => (
-            <Checkbox key={day} value={day} label={dayWords(day)} />
-          ))}
-        </Group>
-      </Checkbox.Group>
-      <Select
-        label="Time zone"
-        searchable
-        allowDeselect={false}
-        limit={100}
-        data={zones}
-        value={draft.timeZone}
-        onChange={(zone) => zone !== null && onChange({ timeZone: zone })}
-      />
-    </Stack>
   );
 }

@@ -1,8 +1,7 @@
 import { LIMITS } from "../../api/limits.gen";
 import { ALL_ROBOTS, choiceBody, choiceError, type RobotChoice } from "../../fleet/robotChoice";
-import { zoneName } from "../../ui/zone";
+import { type TimesOfDay, timesBody, timesErrors, timesOf } from "../../ui/timesOfDay";
 import type { Rule, RuleBody, RuleMode } from "./requests";
-import { WEEKDAYS } from "./words";
 
 /** In percent: as small as the form takes. */
 export const MIN_BELOW = 0.1;
@@ -11,18 +10,14 @@ export const { maxLength: MAX_NAME } = LIMITS_OF_RULE.name;
 export const { minimum: MIN_IDLE_S, maximum: MAX_IDLE_S } = LIMITS_OF_RULE["battery.idle_s"];
 export const MAX_BELOW = 100 * LIMITS_OF_RULE["battery.below"].maximum;
 export const { maxItems: MAX_TIMES } = LIMITS_OF_RULE["schedule.times"];
-const TIME = /^([01]?\d|2[0-3]):[0-5]\d$/;
 
 /** A rule as it is typed. */
-export interface Draft extends RobotChoice {
+export interface Draft extends RobotChoice, TimesOfDay {
   name: string;
   condition: "battery" | "schedule";
   /** In percent. */
   below: number | string;
   idleSeconds: number | string;
-  times: string[];
-  weekdays: string[];
-  timeZone: string;
 }
 
 export function draftOf(rule: Rule | null): Draft {
@@ -32,9 +27,7 @@ export function draftOf(rule: Rule | null): Draft {
     condition: rule?.schedule ? "schedule" : "battery",
     below: Math.round((rule?.battery?.below ?? 0.2) * 1000) / 10,
     idleSeconds: rule?.battery?.idle_s ?? 60,
-    times: rule?.schedule?.times ?? ["22:00"],
-    weekdays: rule?.schedule?.weekdays ?? [...WEEKDAYS],
-    timeZone: rule?.schedule?.time_zone ?? zoneName(),
+    ...timesOf(rule?.schedule),
   };
 }
 
@@ -57,10 +50,7 @@ export function errorsOf(draft: Draft): DraftErrors {
     if (!isWithin(draft.idleSeconds, MIN_IDLE_S, MAX_IDLE_S)) errors.idleSeconds = "From 10 s to one day";
     return errors;
   }
-  if (draft.times.length === 0) errors.times = "Add a time, such as 22:00.";
-  else if (!draft.times.every((time) => TIME.test(time))) errors.times = "Times are from 00:00 to 23:59.";
-  if (draft.weekdays.length === 0) errors.weekdays = "Choose a day.";
-  return errors;
+  return { ...errors, ...timesErrors(draft) };
 }
 
 function isWithin(value: number | string, lowest: number, highest: number): boolean {
@@ -70,16 +60,11 @@ function isWithin(value: number | string, lowest: number, highest: number): bool
 /** The request that stores a rule. */
 export function bodyOf(draft: Draft, mode: RuleMode, by: string | null): RuleBody {
   const robots = choiceBody(draft);
-  const schedule = { times: draft.times.map(padded), weekdays: draft.weekdays, time_zone: draft.timeZone };
   const condition =
     draft.condition === "battery"
       ? { battery: { below: Math.round(Number(draft.below) * 10) / 1000, idle_s: Number(draft.idleSeconds) } }
-      : { schedule: schedule as NonNullable<RuleBody["schedule"]> };
+      : { schedule: timesBody(draft) as NonNullable<RuleBody["schedule"]> };
   return { name: draft.name.trim(), mode, robots, ...condition, by };
-}
-
-function padded(time: string): string {
-  return time.padStart(5, "0");
 }
 
 /** The request that stores a rule as it is, with another mode. */

@@ -1,5 +1,6 @@
 import { codeWords } from "../../goal/words";
 import { formatDuration, formatter } from "../../ui/time";
+import { dayWords, WEEKDAYS } from "../../ui/timesOfDay";
 import type { Decision, Rule, RuleMode, Wait } from "./requests";
 
 const clock = formatter({ hour: "2-digit", minute: "2-digit" });
@@ -38,21 +39,6 @@ export const OUTCOMES: Record<Decision["outcome"], { words: string; color: strin
   skipped: { words: "Skipped", color: "gray" },
   gave_up: { words: "Gave up", color: "red" },
 };
-
-const DAYS: Record<string, string> = {
-  mon: "Mon",
-  tue: "Tue",
-  wed: "Wed",
-  thu: "Thu",
-  fri: "Fri",
-  sat: "Sat",
-  sun: "Sun",
-};
-export const WEEKDAYS = Object.keys(DAYS);
-
-export function dayWords(day: string): string {
-  return DAYS[day] ?? day;
-}
 
 function percentWords(charge: number): string {
   return `${Math.round(charge * 100)} %`;

@@ -1,36 +1,25 @@
 import {
   Alert,
   Checkbox,
-  Group,
   NativeSelect,
   NumberInput,
   SegmentedControl,
-  Select,
   SimpleGrid,
-  Stack,
-  TagsInput,
   Textarea,
   TextInput,
 } from "@mantine/core";
-import { useMemo } from "react";
 import { EntryForm } from "../../../entries/EntryForm";
 import { useFleet, useFleetPart } from "../../../fleet/context";
 import { defaultRobot } from "../../../fleet/names";
+import { TimesOfDayFields } from "../../../ui/TimesOfDayFields";
 import classes from "../missions.module.css";
 import { RobotField } from "../RobotField";
 import { useStoredCommands } from "../stored";
 import { ArgumentFields } from "../templates/ArgumentFields";
 import { useTemplates } from "../templates/templates";
-import {
-  bodyOf,
-  dayWords,
-  draftOf,
-  errorsOf,
-  type NamedSchedule,
-  SCHEDULES,
-  type ScheduleDraft,
-  WEEKDAYS,
-} from "./schedules";
+import { bodyOf, draftOf, errorsOf, type NamedSchedule, SCHEDULES, type ScheduleDraft } from "./schedules";
+
+const MAX_TIMES = 24;
 
 interface ScheduleFormProps {
   /** Null for a new one, which is on. */
@@ -145,10 +134,6 @@ function MissionFields({ draft, errors, onChange }: FieldsProps) {
 
 /** When it is due. */
 function TimeFields({ draft, errors, onChange }: FieldsProps) {
-  const zones = useMemo(
-    () => [...new Set([draft.timeZone, "UTC", ...Intl.supportedValuesOf("timeZone")])].sort(),
-    [draft.timeZone],
-  );
   if (draft.when === "every")
     return (
       <NumberInput
@@ -183,38 +168,5 @@ function TimeFields({ draft, errors, onChange }: FieldsProps) {
         />
       </SimpleGrid>
     );
-  return (
-    <Stack gap="sm">
-      <TagsInput
-        label="Times"
-        description="HH:MM; Enter adds one."
-        maxTags={24}
-        value={draft.times}
-        error={errors.times}
-        onChange={(times) => onChange({ times })}
-        acceptValueOnBlur
-      />
-      <Checkbox.Group
-        label="Days"
-        value={draft.weekdays}
-        error={errors.weekdays}
-        onChange={(weekdays) => onChange({ weekdays })}
-      >
-        <Group gap="sm" mt={4}>
-          {WEEKDAYS.map((day) => (
-            <Checkbox key={day} value={day} label={dayWords(day)} />
-          ))}
-        </Group>
-      </Checkbox.Group>
-      <Select
-        label="Time zone"
-        searchable
-        allowDeselect={false}
-        limit={100}
-        data={zones}
-        value={draft.timeZone}
-        onChange={(zone) => zone !== null && onChange({ timeZone: zone })}
-      />
-    </Stack>
-  );
+  return <TimesOfDayFields draft={draft} errors={errors} maxTimes={MAX_TIMES} onChange={onChange} />;
 }

@@ -1,5 +1,5 @@
 import { clockOf, dayOf, formatDuration, formatTime, timeAt } from "../../../ui/time";
-import { zoneName } from "../../../ui/zone";
+import { dayWords, type TimesOfDay, timesBody, timesErrors, timesOf, WEEKDAYS } from "../../../ui/timesOfDay";
 import { named, type Stored, sorted, useStored } from "../stored";
 import { argumentsOf, missingIn, type NamedTemplate, parsed, textOf } from "../templates/templates";
 import { deleteSchedule, listSchedules, putSchedule, type Schedule, type ScheduleBody } from "./requests";
@@ -19,21 +19,6 @@ const REFETCH_MS = 5000;
 /** The schedules, by name. */
 export function useSchedules() {
   return useStored(SCHEDULES, REFETCH_MS);
-}
-
-const DAYS: Record<string, string> = {
-  mon: "Mon",
-  tue: "Tue",
-  wed: "Wed",
-  thu: "Thu",
-  fri: "Fri",
-  sat: "Sat",
-  sun: "Sun",
-};
-export const WEEKDAYS = Object.keys(DAYS);
-
-export function dayWords(day: string): string {
-  return DAYS[day] ?? day;
 }
 
 /** `Every day at 06:00, 22:00 (Europe/Berlin)`, `Every 1 h 30 min`, `Once, 1 Dec 06:00` */
@@ -72,7 +57,7 @@ export function failureWords({ last }: Pick<Schedule, "last">): string | null {
 type When = "once" | "daily" | "every";
 
 /** A schedule as it is typed. */
-export interface ScheduleDraft {
+export interface ScheduleDraft extends TimesOfDay {
   name: string;
   robot: string;
   /** The id of a template; empty for steps. */
@@ -85,9 +70,6 @@ export interface ScheduleDraft {
   when: When;
   day: string;
   clock: string;
-  times: string[];
-  weekdays: string[];
-  timeZone: string;
   minutes: number | string;
   queues: boolean;
 }
@@ -111,9 +93,7 @@ export function draftOf(schedule: NamedSchedule | null, robot: string, now: numb
     when: once != null ? "once" : every != null ? "every" : "daily",
     day: dayOf(at),
     clock: clockOf(at),
-    times: daily?.times ?? ["22:00"],
-    weekdays: daily?.weekdays ?? [...WEEKDAYS],
-    timeZone: daily?.time_zone ?? zoneName(),
+    ...timesOf(daily),
     minutes: every?.minutes ?? 60,
     queues: schedule?.if_running === "queue",
   };
@@ -130,7 +110,6 @@ function plain(value: unknown): unknown {
   return Object.fromEntries(said.map(([key, item]) => [key, plain(item)]));
 }
 
-const TIME = /^([01]?\d|2[0-3]):[0-5]\d$/;
 const A_WEEK = 10_080;
 
 /** What is wrong with each field. */
@@ -145,11 +124,7 @@ export function errorsOf(draft: ScheduleDraft, templates: readonly NamedTemplate
   else if (missingIn(template, draft.typed).length > 0) errors.typed = "A parameter needs a value.";
   if (draft.when === "once" && timeAt(draft.day, draft.clock) === null)
     errors.day = "A day and a time, such as 06:00";
-  if (draft.when === "daily") {
-    if (draft.times.length === 0) errors.times = "Add a time, such as 22:00.";
-    else if (!draft.times.every((time) => TIME.test(time))) errors.times = "Times are from 00:00 to 23:59.";
-    if (draft.weekdays.length === 0) errors.weekdays = "Choose a day.";
-  }
+  if (draft.when === "daily") Object.assign(errors, timesErrors(draft));
   const { minutes } = draft;
   if (
     draft.when === "every" &&
@@ -171,10 +146,9 @@ export function bodyOf(
     template === undefined
       ? { ...draft.kept, steps: parsed(draft.steps) }
       : { ...draft.kept, template: template.id, arguments: argumentsOf(template, draft.typed) };
-  const times = draft.times.map((time) => time.padStart(5, "0"));
   const when = {
     once: { once: { due_at: new Date(timeAt(draft.day, draft.clock) ?? 0).toISOString() } },
-    daily: { daily: { times, weekdays: draft.weekdays, time_zone: draft.timeZone } },
+    daily: { daily: timesBody(draft) },
     every: { every: { minutes: Number(draft.minutes) } },
   }[draft.when];
   const if_running = draft.queues ? "queue" : "skip";
