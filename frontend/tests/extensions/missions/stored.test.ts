@@ -127,7 +127,7 @@ describe("schedules", () => {
     });
     const once: NamedSchedule = { ...NIGHT, daily: null, once: { due_at: "2026-12-01T06:00:00Z" } };
     expect(scheduleBody(scheduleDraft(once, "/", NOW), [FETCH], true, null).once).toEqual({
-      at: "2026-12-01T06:00:00.000Z",
+      due_at: "2026-12-01T06:00:00.000Z",
     });
   });
 
