@@ -130,10 +130,7 @@ class Tokens(Credentials[Token]):
             NotFound: There is no such token (`token_not_found`).
             Unavailable: The history does not answer (`history_unavailable`).
         """
-        token = (await self.book.read()).get(token_id)
-        if token is None:
-            raise self.book.missing(token_id)
-        return self._document(token_id, token)
+        return self._document(token_id, await self.book.find(token_id))
 
     def _document(self, token_id: str, token: Token) -> dict[str, Any]:
         return token_document(token_id, token) | {"etag": self.book.etag(token)}

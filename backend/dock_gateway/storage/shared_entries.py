@@ -178,6 +178,17 @@ class SharedBook(SharedEntries[EntryT]):
         await self.store(key, entry, check, dependency)
         return new
 
+    async def find(self, key: str) -> EntryT:
+        """Return an entry as it is stored.
+
+        Raises:
+            NotFound: There is none.
+            Unavailable: The history does not answer (`history_unavailable`).
+        """
+        entries = await self.read()
+        self._require(key, entries)
+        return entries[key]
+
     async def amend(self, key: str, entry: EntryT) -> None:
         """Store a change of an entry, unless the entry was removed meanwhile.
 

@@ -56,9 +56,7 @@ class Webhooks:
             NotFound: `webhook_not_found`.
             Unavailable: The history does not answer (`history_unavailable`).
         """
-        webhook = (await self._book.read()).get(webhook_id)
-        if webhook is None:
-            raise self._book.missing(webhook_id)
+        webhook = await self._book.find(webhook_id)
         await self._outbox.read()
         return self._document(webhook_id, webhook)
 
@@ -131,8 +129,7 @@ class Webhooks:
             NotFound: `webhook_not_found`.
             Unavailable: The history does not answer (`history_unavailable`).
         """
-        if webhook_id not in await self._book.read():
-            raise self._book.missing(webhook_id)
+        await self._book.find(webhook_id)
         await self._outbox.read()
         found = dict(self._outbox.sent_to(webhook_id))
         places, end = newest((Cursor(each.created_at, identity) for identity, each in found.items()), limit, end)
@@ -146,9 +143,7 @@ class Webhooks:
             Conflict: Another test is being sent (`test_running`).
             Unavailable: The history does not answer (`history_unavailable`).
         """
-        webhook = (await self._book.read()).get(webhook_id)
-        if webhook is None:
-            raise self._book.missing(webhook_id)
+        webhook = await self._book.find(webhook_id)
         if webhook_id in self._testing:
             raise Conflict("another test is being sent to this webhook", code="test_running")
         self._testing.add(webhook_id)

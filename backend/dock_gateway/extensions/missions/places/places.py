@@ -42,10 +42,7 @@ class Places:
             NotFound: `place_not_found`.
             Unavailable: The history does not answer (`history_unavailable`).
         """
-        place = (await self._book.read()).get(place_id)
-        if place is None:
-            raise self._book.missing(place_id)
-        return self._document(place_id, place)
+        return self._document(place_id, await self._book.find(place_id))
 
     async def replace(
         self, place_id: str, place: PlaceEntry, condition: Condition = UNCONDITIONAL

@@ -63,8 +63,8 @@ class Schedules:
             NotFound: There is none, or the grant does not cover it (`schedule_not_found`).
             Unavailable: The history does not answer (`history_unavailable`).
         """
-        schedule = (await self.book.read()).get(schedule_id)
-        if schedule is None or not await self._covers(schedule, grant):
+        schedule = await self.book.find(schedule_id)
+        if not await self._covers(schedule, grant):
             raise self.book.missing(schedule_id)
         return self._document(schedule_id, schedule)
 

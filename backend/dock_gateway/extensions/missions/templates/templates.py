@@ -103,8 +103,8 @@ class Templates:
             return Filled(read_steps(steps), template.name, template.priority, given)
 
     async def _find(self, template_id: str, grant: Grant) -> TemplateEntry:
-        template = (await self._book.read()).get(template_id)
-        if template is None or not _covers(template, grant):
+        template = await self._book.find(template_id)
+        if not _covers(template, grant):
             raise self._book.missing(template_id)
         return template
 
