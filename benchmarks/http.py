@@ -71,11 +71,3 @@ class Connection:
 
     def __exit__(self, *_: object) -> None:
         self._socket.close()
-
-
-def free_port() -> int:
-    """A port that nobody listens on."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port

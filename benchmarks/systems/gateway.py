@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import orjson
-from tests.support.processes import Process
+from tests.support.processes import Process, free_port
 
 from benchmarks.figures import OURS
-from benchmarks.http import Connection, KeptConnection, free_port
+from benchmarks.http import Connection, KeptConnection
 from benchmarks.readers import Tally, WebSocketReader, connect
 from benchmarks.site import PRODUCT, Goal, Site
 from benchmarks.systems.base import Impossible, Reading, System, Timing

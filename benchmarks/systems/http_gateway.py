@@ -7,9 +7,9 @@ import time
 from pathlib import Path
 
 import orjson
-from tests.support.processes import Process
+from tests.support.processes import Process, free_port
 
-from benchmarks.http import Connection, KeptConnection, free_port
+from benchmarks.http import Connection, KeptConnection
 from benchmarks.readers import EventStreamReader, Tally
 from benchmarks.site import ACTION, ACTION_TYPE, ROOT, Goal, Site
 from benchmarks.systems.base import Impossible, Reading, System, Timing

@@ -9,10 +9,9 @@ from typing import Any
 
 import orjson
 from picows import WSMsgType, WSTransport
-from tests.support.processes import Process
+from tests.support.processes import Process, free_port
 
 from benchmarks.figures import ROSBRIDGE, ROSBRIDGE_SUITE
-from benchmarks.http import free_port
 from benchmarks.readers import Tally, WebSocketReader, connect
 from benchmarks.site import ACTION, ACTION_TYPE, Goal, Site, site_packages
 from benchmarks.systems.base import Impossible, Reading, System, Timing

@@ -4,10 +4,10 @@ import asyncio
 import os
 import time
 
-from tests.support.processes import Process
+from tests.support.processes import Process, free_port
 
 from benchmarks.figures import STOCK
-from benchmarks.http import Connection, KeptConnection, free_port
+from benchmarks.http import Connection, KeptConnection
 from benchmarks.site import LEAKING, PRODUCT, ROOT
 from benchmarks.systems.base import Impossible
 
