@@ -13,11 +13,9 @@ from docking.parameters import DockSettings
 from docking.plans.registry import make_plan
 from docking.simulation.dock import DOCKED
 from tests.support.docking import (
-    FAST,
     LOW,
     SERVER,
     SUCCEEDED,
-    UNMEASURED,
     Reports,
     dock_server,
     docking_servers,
@@ -111,8 +109,8 @@ def test_a_robot_backs_onto_a_dock_of_that_type_and_leaves_it_forwards(domain: i
     types = ("docks:=[home, garage]", "dock_plugins:=[front, back]", "home.type:=front", "garage.type:=back")
     back = ("back.dock_direction:=backward", "back.rotate_to_dock:=true")
     with (
-        dock_simulator(domain, FAST, "start_x:=-1.1", "start_y:=0.0", "start_theta:=0.0", "contact_at_back:=true"),
-        docking_servers(domain, "controller:=dock_pose", UNMEASURED, *types, *back),
+        dock_simulator(domain, "start_x:=-1.1", "start_y:=0.0", "start_theta:=0.0", "contact_at_back:=true"),
+        docking_servers(domain, "controller:=dock_pose", *types, *back),
     ):
         site = look_at(observer)
         assert send_dock_goal(observer, dock="garage").result(120.0).status == SUCCEEDED

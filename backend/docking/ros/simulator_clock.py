@@ -18,8 +18,8 @@ RECOVERS = 0.25
 """Lost time, in s, that a clock of its own makes up for."""
 IDLE_PERIOD = 0.2
 """Seconds between two messages on `/clock` while nothing drives the robot."""
-IDLE_AFTER = 1.0
-"""Seconds without a command after which nothing drives it."""
+IDLE_AFTER = 20.0
+"""Simulated seconds without a command after which nothing drives it: no server waits longer for the sight of a dock."""
 
 
 class SimulatorClock:
@@ -41,7 +41,8 @@ class SimulatorClock:
         self._publisher = overridable_publisher(node, Clock, "/clock", 1) if publishes else None
         self._keeper = Timekeeper(now, LONGEST_STEP, RECOVERS) if publishes else Timekeeper(now, LONGEST_LAPSE, 0.0)
         self._nanoseconds: int = node.get_clock().now().nanoseconds
-        self._published_at = self._driven_at = -math.inf
+        self._published_at = -math.inf
+        self._idle_for = math.inf
 
     @property
     def rate(self) -> float:
@@ -63,8 +64,8 @@ class SimulatorClock:
         lapse = self._keeper.step(now)
         if self._publisher is None:
             return lapse
-        self._driven_at = now if driven else self._driven_at
-        idle = now - self._driven_at > IDLE_AFTER
+        self._idle_for = 0.0 if driven else self._idle_for + lapse
+        idle = self._idle_for > IDLE_AFTER
         self._nanoseconds += round(1e9 * (lapse + (self._keeper.catch_up() if idle else 0.0)))
         if now - self._published_at >= (IDLE_PERIOD if idle else 0.0):
             self._published_at = now
