@@ -15,6 +15,7 @@ from dock_gateway.extensions.chargers.routes import router
 from dock_gateway.extensions.chargers.schema import EVENTS
 from dock_gateway.extensions.chargers.settings import ChargerSettings
 from dock_gateway.extensions.chargers.shared_docks import MAX_DOCKS, SharedDocks
+from dock_gateway.extensions.chargers.tools import TOOLS
 from dock_gateway.extensions.chargers.watch import DockWatch
 from dock_gateway.fleet.alert_board import AlertBoard
 from dock_gateway.fleet.fleet import Fleet
@@ -68,4 +69,5 @@ extension = Extension(
     alerts=KINDS,
     errors=CODES,
     metrics=dock_metrics,
+    tools=TOOLS,
 )

@@ -1,12 +1,11 @@
 """Templates and places of a real gateway, by its commands."""
 
 import json
-import os
 
 import pytest
 
+from tests.support.commands import command
 from tests.support.gateway import ready_gateway, running_program
-from tests.support.processes import ForkedProcess
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
@@ -16,12 +15,6 @@ COUNT = {
     "parameters": {"order": {}, "then": {"default": {"wait": {"seconds": 0}}}},
     "steps": [{"action": {"name": "/fibonacci", "goal": {"order": "$order"}}}, "$then"],
 }
-
-
-def command(url: str, *words: str) -> tuple[int, str]:
-    """Run a command; return its exit code and what it printed."""
-    with ForkedProcess("dock-gateway", *words, env={**os.environ, "DOCK_GATEWAY_URL": url}) as process:
-        return process.wait(), process.output
 
 
 def test_a_mission_of_a_template_by_a_command(domain: int) -> None:

@@ -1,0 +1,88 @@
+"""`dock-gateway shared-dock`: lists the docks that robots share, enters them, and says what a person sees there."""
+
+from typing import Any
+from urllib.parse import quote
+
+import click
+
+from dock_gateway.cli.asking import asks, gateway, print_json, print_table, wanted
+from dock_gateway.cli.groups import CommandGroup
+from dock_gateway.core.log_config import printable
+
+
+@click.group(name="shared-dock", cls=CommandGroup)
+def shared_dock() -> None:
+    """Let a dock have one robot at a time."""
+
+
+@shared_dock.command(name="list")
+@asks
+def list_shared_docks() -> None:
+    """List the shared docks: who has each, and who waits for it."""
+    with gateway() as client:
+        found = client.request("GET", "/shared-docks")
+    if wanted("as_json"):
+        print_json(found)
+        return
+    rows = [
+        (each["dock_id"], each["state"], each["detail"], ", ".join(one["robot"] for one in each["waiting"]) or "-")
+        for each in found["shared_docks"]
+    ]
+    print_table(("DOCK", "STATE", "WHO", "WAITING"), rows, "no shared docks: `dock-gateway shared-dock enter` one")
+
+
+@shared_dock.command()
+@click.argument("dock_id")
+@click.option("--robot", "names", metavar="NAME", multiple=True, help="A robot that it fits; all by default.")
+@click.option("--group", "groups", metavar="NAME", multiple=True, help="A group of robots that it fits.")
+@asks
+def enter(dock_id: str, names: tuple[str, ...], groups: tuple[str, ...]) -> None:
+    """Share a dock, or change which robots it fits. DOCK_ID is what their docking servers call it."""
+    body = {"robots": {"names": names, "groups": groups}} if names or groups else {}
+    _show("PUT", dock_id, "", body)
+
+
+@shared_dock.command()
+@click.argument("dock_id")
+@asks
+def remove(dock_id: str) -> None:
+    """Share a dock no more: nothing is reserved there."""
+    with gateway() as client:
+        client.request("DELETE", _path(dock_id))
+
+
+@shared_dock.command()
+@click.argument("dock_id")
+@click.option("--occupied-by", metavar="WHO", help="`nobody`, `unknown` (a robot without a gateway), or a robot.")
+@click.option("--out-of-order", "note", metavar="WHY", help="No robot is to be sent there.")
+@click.option("--in-order", is_flag=True, help="It works again.")
+@asks
+def report(dock_id: str, occupied_by: str | None, note: str | None, in_order: bool) -> None:
+    """Say what you see at a dock."""
+    if note is not None and in_order:
+        raise click.UsageError("say --out-of-order or --in-order")
+    body: dict[str, Any] = {} if occupied_by is None else {"occupied_by": occupied_by}
+    if note is not None:
+        body |= {"out_of_order": True, "note": note}
+    if in_order:
+        body |= {"out_of_order": False}
+    if not body:
+        raise click.UsageError("say --occupied-by, --out-of-order or --in-order")
+    _show("POST", dock_id, "/report", body)
+
+
+def _path(dock_id: str) -> str:
+    return f"/shared-docks/{quote(dock_id, safe='')}"
+
+
+def _show(method: str, dock_id: str, rest: str, body: dict[str, Any]) -> None:
+    """Send a request about a dock, and print the dock."""
+    with gateway() as client:
+        found = client.request(method, _path(dock_id) + rest, body)
+    if wanted("as_json"):
+        print_json(found)
+    else:
+        click.echo(printable(f"{found['dock_id']} {found['state']}: {found['detail']}"))
+
+
+COMMANDS = (shared_dock,)
