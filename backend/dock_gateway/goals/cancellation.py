@@ -154,7 +154,7 @@ class Canceler:
             detail = "the action server does not answer the request to cancel all goals; retrying"
             raise ServerTimeout(detail) from None
         self._tracker.heard()
-        for goal_id in answer.goal_ids & self._tracker.live.keys():
+        for goal_id in sorted(answer.goal_ids & self._tracker.live.keys()):
             self._stop(goal := self._tracker.live[goal_id])  # a request that is late reaches newer goals, too
             self._tracker.apply(GoalMachine.move, goal, GoalStatus.CANCELING)
         left = [goal for goal in goals if goal.status in (GoalStatus.ACCEPTED, GoalStatus.EXECUTING)]

@@ -217,7 +217,7 @@ class Interlock:
         Raises:
             Conflict: `stop_latched`: a stop of a robot above, or another node, holds it.
         """
-        for name in self._topics.keys() & self._below(namespace):
+        for name in self._joined_below(namespace):
             if (by := self._topics[name].held_by()) is not None:
                 raise Conflict(f"{by} holds {name} stopped: release it there", code="stop_latched")
         over = self._latches.over(namespace)
@@ -226,7 +226,7 @@ class Interlock:
             if over not in self._places:
                 raise Conflict(f"the stop of {over} holds for {namespace}, too: release that", code="stop_latched")
             self._latches.release_of(over, namespace)
-        for name in self._topics.keys() & self._below(namespace):
+        for name in self._joined_below(namespace):
             self._topics[name].let_go()
         held = [name for name in self._below(namespace) if self._let_go(name)]
         robots = {*self._topics, *self._latches.held} - self._places
@@ -251,7 +251,7 @@ class Interlock:
         Each stop is published. Otherwise, an unchanged state is published at most about once per second.
         """
         now = time.monotonic()
-        for name in self._topics.keys() & self._below(namespace):
+        for name in self._joined_below(namespace):
             if stopped := self._stop_published_at.get(name) == math.inf:
                 self._stop_published_at[name] = now
             latched = self._stopped_at(name) is not None
@@ -287,6 +287,10 @@ class Interlock:
         """Return a robot and those below it that have joined or are held."""
         names = {namespace, *self._topics, *self._latches.held}
         return sorted(name for name in names if is_under(name, namespace))
+
+    def _joined_below(self, namespace: str) -> list[str]:
+        """Return a robot and those below it that have joined."""
+        return [name for name in self._below(namespace) if name in self._topics]
 
     # ------------------------------------------------------------------ messages from other gateways
 

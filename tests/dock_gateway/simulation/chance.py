@@ -2,10 +2,13 @@
 
 import asyncio
 import random
-from collections.abc import Callable, Coroutine
+import uuid
+from collections.abc import Callable, Coroutine, Iterator
+from contextlib import contextmanager
 from contextvars import Context
 from dataclasses import dataclass
 from typing import Any
+from unittest.mock import patch
 
 from tests.support.virtual import START_NS, VirtualLoop
 
@@ -55,6 +58,7 @@ class Chance:
 
     def __init__(self, seed: int, faults: Faults) -> None:
         self.random = random.Random(seed)
+        self._ids = random.Random(seed)
         self.faults = faults
         loop = asyncio.get_running_loop()
         assert isinstance(loop, VirtualLoop)
@@ -62,6 +66,16 @@ class Chance:
         self.said: list[tuple[float, str, str]] = []
         self.tasks: set[asyncio.Task[Any]] = set()
         self._lags: dict[str, float] = {}
+
+    @contextmanager
+    def deciding_ids(self) -> Iterator[None]:
+        """Let the seed decide the ids of goals, too, by which the database sorts."""
+
+        def make() -> uuid.UUID:
+            return uuid.UUID(int=self._ids.getrandbits(128), version=4)
+
+        with patch.object(uuid, "uuid4", make):
+            yield
 
     def say(self, who: str, what: str) -> None:
         """Note what happens."""

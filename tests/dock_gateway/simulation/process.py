@@ -29,7 +29,7 @@ class Process:
         self.name = name
         self.dead = False
         self.ready = False
-        self._tasks: set[asyncio.Task[Any]] = set()
+        self._tasks: dict[asyncio.Task[Any], None] = {}  # a set would have another order in each run
 
     @contextmanager
     def running(self) -> Iterator[None]:
@@ -54,8 +54,8 @@ class Process:
 
     def note(self, task: "asyncio.Task[Any]") -> None:
         """Remember a task of this process, which ends with it."""
-        self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
+        self._tasks[task] = None
+        task.add_done_callback(self._tasks.pop)
 
 
 def noted(loop: asyncio.AbstractEventLoop, work: Any, **more: Any) -> "asyncio.Task[Any]":

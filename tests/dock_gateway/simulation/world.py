@@ -43,12 +43,13 @@ class World:
 
     async def run(self) -> None:
         self._chance.loop.set_task_factory(noted)
-        await self._begin()
-        self._chance.spawn(self.reader.run())
-        self._chance.spawn(self._publish_batteries())
-        await asyncio.sleep(0.2)
-        await asyncio.gather(self._send_goals(), self._make_move(), *self._trouble())
-        await self._settle()
+        with self._chance.deciding_ids():
+            await self._begin()
+            self._chance.spawn(self.reader.run())
+            self._chance.spawn(self._publish_batteries())
+            await asyncio.sleep(0.2)
+            await asyncio.gather(self._send_goals(), self._make_move(), *self._trouble())
+            await self._settle()
 
     async def _begin(self) -> None:
         self._disk.empty()

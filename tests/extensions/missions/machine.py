@@ -116,6 +116,7 @@ class MissionMachine(RuleBasedStateMachine):
             goal=goal,
             given_up=given_up,
             sent=sent,
+            gateway=str(gateway),
         )
 
     def store(self, gateway: int, after: MissionEntry) -> bool:

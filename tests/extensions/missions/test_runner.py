@@ -43,7 +43,8 @@ class Server:
         fails: How they fail, one after the other.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, shared: bool = False) -> None:
+        self.shared = shared
         self.goals: dict[str, Goal] = {}
         self.takes: float | None = 10.0
         self.refuses: list[GatewayError] = []
@@ -141,7 +142,7 @@ class Site:
         self.places = Places(SharedBook(EntriesInMemory[PlaceEntry](), "place", 10))
         self.stops = SharedStore[LastStop]()
         self.last_stops: list[LastStops] = []
-        self.server = Server()
+        self.server = Server(shared=gateways > 1)
         self.robots = Robots()
         self.held = False
         self.free: dict[str, RobotFacts] = {}

@@ -13,7 +13,7 @@ from dock_gateway.extensions.missions.step_kinds import Waypoint
 from dock_gateway.http.schema import RosName, Schema
 
 # A step of `GET /missions` has what clients sent, and these.
-STORED_ONLY = frozenset({"tried", "retry_at", "size"})
+STORED_ONLY = frozenset({"tried", "retry_at", "size", "sender", "sends_until"})
 Priority = Annotated[int, Field(ge=0, le=100)]
 # That of a mission that names none.
 PRIORITY = 50
@@ -123,6 +123,8 @@ class StepEntry(StepPlace):
         error: Why the last try failed. While it is running: why its goal is being canceled.
         tried: Tries that have failed since it was first begun or continued.
         retry_at: When the next try begins.
+        sender: The gateway that sends the goal of this try; None: the only one that there is.
+        sends_until: Until when it may; None: without limit.
     """
 
     path: str = ""
@@ -136,6 +138,8 @@ class StepEntry(StepPlace):
     error: Reason | None = None
     tried: int = 0
     retry_at: datetime | None = None
+    sender: str | None = None
+    sends_until: datetime | None = None
 
     @property
     def asked(self) -> dict[str, Any]:

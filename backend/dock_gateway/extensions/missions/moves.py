@@ -60,6 +60,7 @@ class Facts:
         goal: The goal of the present step, as far as it is known.
         given_up: Whether that is lost, and canceled should it return.
         sent: The call or message of the present step, if this gateway has begun its try; else None.
+        gateway: This gateway; None: no other follows the mission.
     """
 
     stopped: bool = False
@@ -73,6 +74,7 @@ class Facts:
     goal: Goal | None = None
     given_up: bool = False
     sent: Sent | None = None
+    gateway: str | None = None
 
 
 @dataclass(frozen=True)

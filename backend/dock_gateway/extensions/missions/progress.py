@@ -1,13 +1,13 @@
 """What a mission does next: rules over plain data, without ROS, a clock or a database.
 
 A step is carried out once: it is `running`, with the number of its try, before anything is sent, and its goal has a key
-made of the mission, the step and the try, by which it is found again after a restart.
+made of the mission, the step and the try, by which it is found again after a restart. One gateway sends it (`sender`).
 """
 
 from datetime import datetime, timedelta
 
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.extensions.missions import recharge
+from dock_gateway.extensions.missions import recharge, sender
 from dock_gateway.extensions.missions.mission import (
     HoldReason,
     MissionEntry,
@@ -50,7 +50,8 @@ def next_move(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
     if recharge.has_recovered(mission, facts):
         return Change(mission.but(recharge_skipped=False))
     if mission.current.status is StepStatus.RUNNING:
-        return recharge.leave_step(mission, facts, now) or _follow(mission, facts, now)
+        others = sender.wait_for_sender(mission.current, facts, now)
+        return others or recharge.leave_step(mission, facts, now) or _follow(mission, facts, now)
     return _begin(mission, facts, now)
 
 
@@ -75,6 +76,7 @@ def _begin(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
         finished_at=None,
         retry_at=None,
         error=None,
+        **sender.taken_on(facts, now),
     )
     if step.place is not None and facts.place is None:
         gone = Reason(code="place_not_found", detail=f"there is no place {step.place} any more")
@@ -119,7 +121,9 @@ def _follow_goal(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
     """Return what comes next while the goal of the present step is to be sent, or runs."""
     step, goal, late = mission.current, facts.goal, mission.current.is_late(now)
     if step.goal_id is None and not late:
-        return Send() if now - (step.started_at or now) < SEND_WITHIN else Change(fail(mission, UNSENT, now))
+        if now - (step.started_at or now) >= SEND_WITHIN:
+            return Change(fail(mission, UNSENT, now))
+        return sender.before_send(mission, facts, now) or Send()
     if goal is None:
         return Change(fail(mission, TIMEOUT if step.goal_id is None else GONE, now))
     if goal.status.final:
@@ -215,6 +219,8 @@ def _held_on(mission: MissionEntry, now: datetime) -> MissionEntry:
 
 def _cancel(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
     """Return what comes next while a mission is being canceled: its goal ends first."""
+    if (others := sender.wait_for_sender(mission.current, facts, now)) is not None:
+        return others
     goal = facts.goal if mission.current.has_goal else None
     if goal is not None and not goal.status.final and not facts.given_up:
         return Cancel(goal)

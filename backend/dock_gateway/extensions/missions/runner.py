@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+import uuid
 from collections.abc import Callable, Mapping
 from datetime import datetime
 
@@ -95,6 +96,7 @@ class MissionRunner:
         self._last_stops = last_stops
         self._docked = docked
         self._clock = clock
+        self._name = uuid.uuid4().hex if history.shared else None  # as the one that sends goals
         self._stopped: set[str] = set()  # robots that were stopped since the last look
         self._given_up: set[str] = set()  # lost goals that are canceled should they return
         self._sent: dict[str, Sent] = {}  # calls and messages whose tries this gateway has begun, by their keys
@@ -265,6 +267,7 @@ class MissionRunner:
             goal=goal,
             given_up=goal is not None and goal.goal_id in self._given_up,
             sent=self._sent.get(_key(mission_id, mission)),
+            gateway=self._name,
         )
 
     def _battery(self, robot: str) -> BatteryReading:

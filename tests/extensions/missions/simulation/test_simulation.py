@@ -5,6 +5,8 @@ with all that has happened. `SIMULATION_WEEKS=3` runs so many weeks with ten rob
 """
 
 import os
+import subprocess
+import sys
 from collections import Counter
 from dataclasses import replace
 
@@ -40,8 +42,8 @@ def disk() -> Disk:
     return Disk()
 
 
-def carried_out(seed: int, disk: Disk, troubles: Troubles) -> Counter[str]:
-    """Run a seed, check it, and return how often things have happened."""
+def world_of(seed: int, disk: Disk, troubles: Troubles) -> World:
+    """Run a seed, and return the world in which it was."""
     worlds: list[World] = []
 
     async def go() -> None:
@@ -51,6 +53,12 @@ def carried_out(seed: int, disk: Disk, troubles: Troubles) -> Counter[str]:
     with simulated(troubles):
         run(go())
     (world,) = worlds
+    return world
+
+
+def carried_out(seed: int, disk: Disk, troubles: Troubles) -> Counter[str]:
+    """Run a seed, check it, and return how often things have happened."""
+    world = world_of(seed, disk, troubles)
     if ONLY is not None or world.checks.found:
         print(world.story())
     assert world.checks.found == [], f"SIMULATION_SEED={seed}"
@@ -64,6 +72,31 @@ def test_missions_do_each_step_once(disk: Disk, case: str) -> None:
     for seed in range(max(1, SEEDS // 20)) if ONLY is None else [int(ONLY)]:
         counts += carried_out(seed, disk, CASES[case])
     print(dict(counts))
+
+
+TELL = """
+from dataclasses import replace
+from tests.extensions.missions.simulation.test_simulation import CASES, Disk, world_of
+
+disk = Disk()
+for case in ("stopped again and again", "two that are killed again and again"):
+    print(world_of(3, disk, replace(CASES[case], lasts=300.0)).story())
+"""
+
+
+def test_a_seed_decides_everything() -> None:
+    stories = []
+    for hash_seed in ("1", "2"):  # by which sets are sorted
+        told = subprocess.run(
+            [sys.executable, "-c", TELL],
+            env=os.environ | {"PYTHONHASHSEED": hash_seed},
+            stdout=subprocess.PIPE,
+            check=True,
+            timeout=300,
+        )
+        stories.append(told.stdout.decode().splitlines())
+    assert len(stories[0]) > 100
+    assert stories[0] == stories[1]
 
 
 @pytest.mark.skipif(not WEEKS, reason="takes minutes: SIMULATION_WEEKS=1 runs one")

@@ -68,6 +68,10 @@ class World:
     async def run(self) -> None:
         """Let everything happen, then wait until all missions have ended, and check them."""
         self.chance.loop.set_task_factory(noted)
+        with self.chance.deciding_ids():
+            await self._run()
+
+    async def _run(self) -> None:
         self.disk.empty()
         if self.shares_docks:
             share_docks(self.disk, self.docks.names, self.now())
