@@ -35,7 +35,7 @@ TEST_INTERFACES := tests/interfaces
 TEST_INTERFACE_SOURCES := $(shell find $(TEST_INTERFACES) -type f) backend/action_tutorials_interfaces/wheel/pypi_prefix.cmake
 DASHBOARD_SOURCES := $(shell find frontend -path frontend/node_modules -prune -o -path frontend/dist -prune -o -path frontend/client/dist -prune -o -type f -print)
 
-.PHONY: help run setup test check without mutation chaos bench bench-docking bench-physics bench-sites bench-dashboard screenshots compare-screenshots docs format lock nav2-interfaces wheels test-wheels test-clients release interfaces-wheel colcon-workspace test-ros clean
+.PHONY: help run setup test check without test-versions mutation chaos bench bench-docking bench-physics bench-sites bench-dashboard screenshots compare-screenshots docs format lock nav2-interfaces wheels test-wheels test-clients release interfaces-wheel colcon-workspace test-ros clean
 
 help: ## list the targets
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-20s %s\n", $$1, $$2}'
@@ -53,6 +53,9 @@ check: setup ## the fast part of `make test`: everything but the tests
 
 without: setup $(STAMPS)/test-interfaces ## what is left without one extension, in a copy: EXTENSION=cameras (TESTS=quick: what would notice first); see docs/write-an-extension.md
 	@scripts/try-without $(EXTENSION)
+
+test-versions: setup $(STAMPS)/test-interfaces ## the lowest, or VERSIONS=newest, versions of libraries that pyproject.toml allows: does all of it start?
+	@scripts/test-versions $(or $(VERSIONS),lowest)
 
 mutation: setup ## change the safety-critical modules in small ways: do their unit tests notice? (AREAS='latch stop')
 	@$(BIN)/python scripts/mutation.py $(AREAS)
