@@ -1,4 +1,4 @@
-import { Alert, Anchor, Badge, Group, Stack, Text } from "@mantine/core";
+import { Alert, Anchor, Badge, Button, Group, Stack, Text } from "@mantine/core";
 import { useId } from "react";
 import { Link } from "react-router";
 import { useForbidden } from "../../api/session";
@@ -11,7 +11,7 @@ import { Time } from "../../ui/Time";
 import { MissionSteps } from "./MissionSteps";
 import { useMissionCommand } from "./missions";
 import classes from "./missions.module.css";
-import { hasEnded } from "./queue";
+import { hasBegun, hasEnded } from "./queue";
 import type { Mission, MissionStatus, Verb } from "./requests";
 import {
   breakWords,
@@ -35,6 +35,22 @@ export function missionPath({ mission_id }: Pick<Mission, "mission_id">): string
 /** Where the form is that starts a mission once more. */
 export function againPath({ mission_id }: Pick<Mission, "mission_id">): string {
   return `/ui/missions/new?from=${mission_id}`;
+}
+
+/** Leads to the form that changes a mission; nothing once it has begun, or for those who may not. */
+export function EditLink({ mission }: { mission: Mission }) {
+  const forbidden = useForbidden("PUT /missions/{mission_id}");
+  if (forbidden !== null || hasBegun(mission)) return null;
+  return (
+    <Button
+      component={Link}
+      to={`${missionPath(mission)}/edit`}
+      {...ENTRY_BUTTON}
+      aria-label={`Edit: ${missionName(mission)}`}
+    >
+      Edit
+    </Button>
+  );
 }
 
 export function MissionBadge({ status }: { status: MissionStatus }) {

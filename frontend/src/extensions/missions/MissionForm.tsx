@@ -1,84 +1,58 @@
-import { Button, Group, NumberInput, Stack, Text, TextInput, VisuallyHidden } from "@mantine/core";
-import { type FormEvent, useEffect, useRef, useState } from "react";
+import { Button, Group, NumberInput, Stack, Text, TextInput } from "@mantine/core";
+import { type FormEvent, useRef, useState } from "react";
 import { useNavigate } from "react-router";
 import { NameInput, ownName, setOwnName } from "../../access/who";
-import { useActions } from "../../actions/actions";
-import { refusedFields } from "../../actions/DraftFields";
 import { useForbidden } from "../../api/session";
 import { useGatewayNow } from "../../clock/clock";
-import { useFleet, useFleetPart, useNaming, useWhyNot } from "../../fleet/context";
+import { useFleet, useWhyNot } from "../../fleet/context";
+import { Conflict, isConflict } from "../../ui/Conflict";
 import { CommandErrorAlert } from "../../ui/errors";
 import { ReasonButton } from "../../ui/ReasonButton";
-import { useCommand } from "../../ui/requests";
 import { Section } from "../../ui/Section";
 import { BatteryFields } from "./BatteryFields";
-import {
-  bodyOf,
-  type Draft,
-  MAX_NAME,
-  MAX_PRIORITY,
-  MAX_STEPS,
-  MIN_PRIORITY,
-  newStep,
-  type StepDraft,
-  type StepKind,
-  withMoved,
-} from "./draft";
+import { Begins } from "./Begins";
+import { bodyOf, type Draft, MAX_NAME, MAX_PRIORITY, MIN_PRIORITY, type StepDraft } from "./draft";
+import { missionPath } from "./MissionCard";
+import { useSaveMission } from "./missions";
 import classes from "./missions.module.css";
-import { useOpenMissions } from "./openMissions";
-import { queuesOf } from "./queue";
-import { RobotField } from "./RobotField";
-import { createMission } from "./requests";
-import { StepCard, TITLES } from "./StepCard";
+import { hasBegun } from "./queue";
+import type { Mission } from "./requests";
+import { StepList } from "./StepList";
+import { TakerField, useExampleRobot } from "./TakerField";
 import { escaped, type TemplateDraft } from "./templates/templates";
-import { errorAt, isReady, missionErrors, withRefused } from "./wrong";
+import { errorAt, isReady, missionErrors } from "./wrong";
+
+/** A mission that is edited. */
+interface Edited {
+  /** As it was when the form was filled. */
+  base: Mission;
+  /** As it is now. */
+  newest: Mission;
+  /** Fills the form with it as it is now. */
+  onShow: (newest: Mission) => void;
+}
 
 interface MissionFormProps {
   draft: Draft;
   onChange: (change: (before: Draft) => Draft) => void;
-}
-
-/** Something in the list of steps that gets the focus when it is there. */
-interface Sought {
-  key: string;
-  button: "up" | "down" | null;
+  /** Null for a new one. */
+  edited?: Edited | null;
 }
 
 /** The form of a mission, from its robot to its start. */
-export function MissionForm({ draft, onChange }: MissionFormProps) {
-  const { http, store } = useFleet();
+export function MissionForm({ draft, onChange, edited = null }: MissionFormProps) {
+  const { store } = useFleet();
   const navigate = useNavigate();
   const now = useGatewayNow();
-  const reason = useWhyNot("POST /missions");
+  const whyNot = useWhyNot(edited === null ? "POST /missions" : "PUT /missions/{mission_id}");
   const mayNotSave = useForbidden("PUT /mission-templates/{template_id}");
   const [tried, setTried] = useState(false);
   const [by, setBy] = useState(ownName);
-  const [said, say] = useState("");
-  const [more, setMore] = useState(false);
-  const sought = useRef<Sought | null>(null);
-  const list = useRef<HTMLOListElement>(null);
-  const adders = useRef<HTMLDivElement>(null);
-
-  const start = useCommand(async (body: string) => {
-    try {
-      return await createMission(http, draft.group === null ? draft.robot : null, body);
-    } catch (error) {
-      const refused = refusedFields(error);
-      if (refused.length > 0) onChange((before) => withRefused(before, refused));
-      throw error;
-    }
-  });
-
-  // What was added or moved has the focus afterwards.
-  useEffect(() => {
-    if (sought.current === null) return;
-    const { key, button } = sought.current;
-    sought.current = null;
-    const card = list.current?.querySelector<HTMLElement>(`[data-step="${key}"]`);
-    const target =
-      button === null ? card : card?.querySelector<HTMLElement>(`[data-move="${button}"]:enabled`);
-    (target ?? card)?.focus();
-  });
+  const form = useRef<HTMLFormElement>(null);
+  const save = useSaveMission(draft, onChange);
+  const robot = useExampleRobot(draft);
+  const begun = edited !== null && hasBegun(edited.newest);
+  const reason = begun ? "It has begun." : whyNot;
 
   const change = (part: Partial<Draft>) => onChange((before) => ({ ...before, ...part }));
   const setSteps = (edit: (steps: readonly StepDraft[]) => readonly StepDraft[]) =>
@@ -87,52 +61,32 @@ export function MissionForm({ draft, onChange }: MissionFormProps) {
       steps: edit(before.steps),
       refused: before.refused.filter(({ path }) => path !== "steps"),
     }));
-  const add = (kind: StepKind) => {
-    const step = newStep(kind, store.gatewayNow());
-    sought.current = { key: step.key, button: null };
-    setSteps((steps) => [...steps, step]);
-    say(`Step ${draft.steps.length + 1} added`);
-  };
-  const move = (index: number, by: -1 | 1) => {
-    const step = draft.steps[index];
-    if (step === undefined) return;
-    sought.current = { key: step.key, button: by === -1 ? "up" : "down" };
-    setSteps((steps) => withMoved(steps, index, by));
-    say(`Step ${index + 1} is now step ${index + by + 1}`);
-  };
-  const remove = (index: number) => {
-    const near = draft.steps[index + 1] ?? draft.steps[index - 1];
-    if (near === undefined) adders.current?.querySelector("button")?.focus();
-    else sought.current = { key: near.key, button: null };
-    setSteps((steps) => steps.filter((_, at) => at !== index));
-    say(`Step ${index + 1} removed`);
-  };
 
   const errors = [...missionErrors(draft).filter(({ missing }) => tried || !missing), ...draft.refused];
-  const submit = (event: FormEvent) => {
-    event.preventDefault();
-    if (reason !== null || start.isPending) return;
+  const send = (base: Mission | null) => {
+    if (reason !== null || save.isPending) return;
     setTried(true);
     if (!isReady(draft, store.gatewayNow())) {
-      const wrong = list.current?.parentElement?.querySelector<HTMLElement>("[aria-invalid=true]");
-      wrong?.focus();
+      form.current?.querySelector<HTMLElement>("[aria-invalid=true]")?.focus();
       return;
     }
-    setOwnName(by.trim());
-    start.mutate(bodyOf(draft, by.trim() || null), { onSuccess: () => navigate("/ui/missions") });
+    if (base === null) setOwnName(by.trim());
+    const body = bodyOf(draft, base === null ? by.trim() || null : null);
+    save.mutate({ body, base }, { onSuccess: () => navigate("/ui/missions") });
   };
-  const others = draft.refused.filter(
-    ({ path }) => !FIELDS.some((each) => path === each || path.startsWith(`${each}.`)),
-  );
+  const submit = (event: FormEvent) => {
+    event.preventDefault();
+    send(edited?.base ?? null);
+  };
   const ready = isReady(draft, now);
-  const wrongPriority = errorAt(errors, "priority") !== undefined;
-
   return (
-    <form onSubmit={submit} noValidate>
+    <form onSubmit={submit} noValidate ref={form}>
       <Stack gap="md">
         <Section title="Mission">
           <div className={classes.fields}>
-            <RobotField robot={draft.robot} onRobot={(robot) => change({ robot })} />
+            {edited === null && (
+              <TakerField robot={draft.robot} group={draft.group} onTaker={(taker) => change(taker)} />
+            )}
             <TextInput
               label="Name"
               description="Optional; without one its steps name it."
@@ -148,80 +102,55 @@ export function MissionForm({ draft, onChange }: MissionFormProps) {
             errors={errors}
             onChange={(battery) => change({ battery, refused: [] })}
           />
-          <details
-            className={classes.fold}
-            open={more || wrongPriority}
-            onToggle={(event) => setMore(event.currentTarget.open)}
-          >
-            <summary>More</summary>
-            {(more || wrongPriority) && (
-              <div className={classes.fields}>
-                <NumberInput
-                  label="Priority"
-                  description="Of the missions that wait, the one with the highest number begins first."
-                  min={MIN_PRIORITY}
-                  max={MAX_PRIORITY}
-                  clampBehavior="none"
-                  allowDecimal={false}
-                  value={draft.priority}
-                  error={errorAt(errors, "priority")}
-                  onChange={(priority) => change({ priority, refused: [] })}
-                />
-              </div>
-            )}
-          </details>
+          <More draft={draft} error={errorAt(errors, "priority")} onChange={change} />
         </Section>
         <Section title="Steps">
-          {draft.steps.length === 0 && (
-            <Text size="sm" c="dimmed">
-              Add the first step. The robot takes the steps one after the other.
-            </Text>
-          )}
-          <ol className={classes.cards} ref={list} aria-label="Steps">
-            {draft.steps.map((step, index) => (
-              <StepCard
-                key={step.key}
-                step={step}
-                index={index}
-                count={draft.steps.length}
-                robot={draft.robot}
-                later={namesOf(draft.steps.slice(index + 1))}
-                tried={tried}
-                onChange={(edit) =>
-                  setSteps((steps) => steps.map((each) => (each.key === step.key ? edit(each) : each)))
-                }
-                onMove={(by) => move(index, by)}
-                onRemove={() => remove(index)}
-              />
-            ))}
-          </ol>
-          <Adders robot={draft.robot} full={draft.steps.length >= MAX_STEPS} onAdd={add} ref={adders} />
-          {errorAt(errors, "steps") !== undefined && (
-            <Text size="sm" c="var(--mantine-color-error)" role="alert">
-              {errorAt(errors, "steps")}
-            </Text>
-          )}
-          <VisuallyHidden aria-live="polite">{said}</VisuallyHidden>
+          <StepList
+            steps={draft.steps}
+            robot={robot}
+            tried={tried}
+            error={errorAt(errors, "steps")}
+            onSteps={setSteps}
+          />
         </Section>
-        <Section title="Start">
-          <Begins robot={draft.robot} />
-          <div className={classes.fields}>
-            <NameInput value={by} description="Shown with the mission." onChange={setBy} />
-          </div>
-          {others.map(({ path, detail }) => (
-            <Text key={path} size="sm" c="var(--mantine-color-error)">
-              {path}: {detail}
-            </Text>
-          ))}
-          <CommandErrorAlert command="Starting the mission" error={start.error} onClose={start.reset} />
+        <Section title={edited === null ? "Start" : "Save"}>
+          {edited === null && (
+            <>
+              <Begins robot={draft.robot} group={draft.group} />
+              <div className={classes.fields}>
+                <NameInput value={by} description="Shown with the mission." onChange={setBy} />
+              </div>
+            </>
+          )}
+          <Unplaced draft={draft} />
+          {edited !== null && isConflict(save.error) ? (
+            <Conflict
+              newest={edited.newest}
+              onShow={(newest) => {
+                save.reset();
+                edited.onShow(newest);
+              }}
+              onReplace={send}
+            />
+          ) : (
+            <CommandErrorAlert
+              command={edited === null ? "Starting the mission" : "Saving"}
+              error={save.error}
+              onClose={save.reset}
+            />
+          )}
           <Group gap="sm">
-            <ReasonButton type="submit" size="md" reason={reason} loading={start.isPending}>
-              Start mission
+            <ReasonButton type="submit" size="md" reason={reason} loading={save.isPending}>
+              {edited === null ? "Start mission" : "Save"}
             </ReasonButton>
-            <Button variant="default" size="md" onClick={() => navigate("/ui/missions")}>
+            <Button
+              variant="default"
+              size="md"
+              onClick={() => navigate(edited === null ? "/ui/missions" : missionPath(edited.base))}
+            >
               Cancel
             </Button>
-            {mayNotSave === null && (
+            {edited === null && mayNotSave === null && (
               <ReasonButton
                 variant="default"
                 size="md"
@@ -241,83 +170,54 @@ export function MissionForm({ draft, onChange }: MissionFormProps) {
   );
 }
 
+interface MoreProps {
+  draft: Draft;
+  error: string | undefined;
+  onChange: (part: Partial<Draft>) => void;
+}
+
+/** What few missions need. */
+function More({ draft, error, onChange }: MoreProps) {
+  const [more, setMore] = useState(false);
+  const opened = more || error !== undefined;
+  return (
+    <details className={classes.fold} open={opened} onToggle={(event) => setMore(event.currentTarget.open)}>
+      <summary>More</summary>
+      {opened && (
+        <div className={classes.fields}>
+          <NumberInput
+            label="Priority"
+            description="Of the missions that wait, the one with the highest number begins first."
+            min={MIN_PRIORITY}
+            max={MAX_PRIORITY}
+            clampBehavior="none"
+            allowDecimal={false}
+            value={draft.priority}
+            error={error}
+            onChange={(priority) => onChange({ priority, refused: [] })}
+          />
+        </div>
+      )}
+    </details>
+  );
+}
+
 /** Where the form shows what is wrong. */
 const FIELDS = ["name", "priority", "battery", "steps"];
+
+/** What the gateway has refused that has no field in the form. */
+function Unplaced({ draft }: { draft: Draft }) {
+  return draft.refused
+    .filter(({ path }) => !FIELDS.some((each) => path === each || path.startsWith(`${each}.`)))
+    .map(({ path, detail }) => (
+      <Text key={path} size="sm" c="var(--mantine-color-error)">
+        {path}: {detail}
+      </Text>
+    ));
+}
 
 /** A template that makes this mission. */
 function templateOf(draft: Draft): Partial<TemplateDraft> {
   const { steps } = JSON.parse(bodyOf(draft, null)) as { steps: unknown[] };
   return { name: draft.name, priority: draft.priority, steps: JSON.stringify(escaped(steps), null, 1) };
-}
-
-function namesOf(steps: readonly StepDraft[]): string[] {
-  return steps.map(({ name }) => name.trim()).filter((name) => name !== "");
-}
-
-/** The action by which nav2 drives a robot to a place. */
-function navigatorOf(robot: string): string {
-  return `${robot === "/" ? "" : robot}/navigate_to_pose`;
-}
-
-/** When the mission begins. */
-function Begins({ robot }: { robot: string }) {
-  const name = useNaming().nameOf(robot);
-  const { data: missions = [] } = useOpenMissions();
-  const stopped = useFleetPart("robots", (robots) => robots.get(robot)?.stop.latched === true);
-  const queue = queuesOf(missions).find((each) => each.robot === robot);
-  const before = queue === undefined ? 0 : queue.next.length + (queue.active === null ? 0 : 1);
-  const words =
-    before === 0
-      ? `${name} begins at once. Check that the area is clear.`
-      : `${name} has ${before === 1 ? "another mission" : `${before} other missions`}: this one waits for its turn.`;
-  return (
-    <Text size="sm" role="status">
-      {stopped
-        ? `${name} is stopped: the mission is held until the stop is released and someone continues it.`
-        : words}
-    </Text>
-  );
-}
-
-const KINDS: StepKind[] = [
-  "dock",
-  "undock",
-  "action",
-  "wait",
-  "notify",
-  "call",
-  "publish",
-  "repeat",
-  "first_that_works",
-];
-
-interface AddersProps {
-  robot: string;
-  full: boolean;
-  onAdd: (kind: StepKind) => void;
-  ref: React.Ref<HTMLDivElement>;
-}
-
-function Adders({ robot, full, onAdd, ref }: AddersProps) {
-  const { data: actions = [] } = useActions();
-  const navigates = actions.some(({ action_name }) => action_name === navigatorOf(robot));
-  const kinds: StepKind[] = navigates ? ["navigate", ...KINDS] : KINDS;
-  return (
-    <Group gap="xs" ref={ref} role="group" aria-label="Add a step">
-      <Text size="sm" aria-hidden="true">
-        Add a step:
-      </Text>
-      {kinds.map((kind) => (
-        <ReasonButton
-          key={kind}
-          variant="default"
-          reason={full ? `A mission has at most ${MAX_STEPS} steps.` : null}
-          aria-label={`Add step: ${TITLES[kind]}`}
-          onClick={() => onAdd(kind)}
-        >
-          {TITLES[kind]}
-        </ReasonButton>
-      ))}
-    </Group>
-  );
 }

@@ -7,7 +7,7 @@ import { Trouble } from "../../ui/errors";
 import { ReasonButton } from "../../ui/ReasonButton";
 import { PageTitle, Section } from "../../ui/Section";
 import { useFreshMissions } from "./freshMissions";
-import { againPath, MissionCard } from "./MissionCard";
+import { againPath, EditLink, MissionCard } from "./MissionCard";
 import { useMission } from "./missions";
 import { hasEnded, PRIORITY } from "./queue";
 import type { Mission } from "./requests";
@@ -25,7 +25,8 @@ export default function MissionPage() {
           All missions
         </Anchor>
         <PageTitle title={mission === undefined ? "Mission" : missionName(mission)}>
-          {mission !== undefined && hasEnded(mission) && <Again mission={mission} />}
+          {mission !== undefined &&
+            (hasEnded(mission) ? <Again mission={mission} /> : <EditLink mission={mission} />)}
         </PageTitle>
       </div>
       <Trouble what="The mission could not be loaded" error={error} onRetry={() => void refetch()} />

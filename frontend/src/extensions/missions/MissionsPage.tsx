@@ -1,24 +1,25 @@
-import { Anchor, Badge, Button, Group, Skeleton, Stack, Table, Text, VisuallyHidden } from "@mantine/core";
+import { Anchor, Button, Group, Skeleton, Stack, Table, Text, VisuallyHidden } from "@mantine/core";
 import { Link, useNavigate } from "react-router";
 import { useForbidden } from "../../api/session";
 import { useFleetLive, useFleetPart, useFleetTopic, useNaming, useWhyNot } from "../../fleet/context";
 import { byName, robotPath } from "../../fleet/names";
 import { isThere } from "../../fleet/words";
 import { Empty } from "../../ui/Empty";
-import { CommandErrorAlert, Trouble } from "../../ui/errors";
+import { Trouble } from "../../ui/errors";
 import { ENTRY_BUTTON, ReasonButton } from "../../ui/ReasonButton";
 import { PageTitle, Section } from "../../ui/Section";
 import { Time } from "../../ui/Time";
 import { useZone } from "../../ui/zone";
 import { useFreshMissions } from "./freshMissions";
-import { againPath, Commands, MissionBadge, MissionCard, missionPath } from "./MissionCard";
-import { useEndedMissions, useMissionCommand } from "./missions";
+import { againPath, MissionBadge, MissionCard, missionPath } from "./MissionCard";
+import { useEndedMissions } from "./missions";
 import classes from "./missions.module.css";
 import { useOpenMissions } from "./openMissions";
-import { groupQueuesOf, PRIORITY, type Queue, queuesOf } from "./queue";
+import { QueueList } from "./QueueList";
+import { groupQueuesOf, type Queue, queuesOf } from "./queue";
 import type { Mission } from "./requests";
 import { MissionPages } from "./StoredPage";
-import { errorWords, groupWaitWords, holdOf, missionName, stepWords, takerWords, tookWords } from "./words";
+import { errorWords, missionName, stepWords, takerWords, tookWords } from "./words";
 
 /** What each robot does and will do, and the missions that have ended. */
 export default function MissionsPage() {
@@ -122,7 +123,7 @@ function Queues({ missions }: { missions: readonly Mission[] }) {
       ))}
       {groupQueuesOf(missions).map(({ group, next }) => (
         <Section key={group} title={`Any of ${group}`}>
-          <NextList name={`any of ${group}`} next={next} />
+          <QueueList name={`any of ${group}`} next={next} />
         </Section>
       ))}
       {queues.length === 0 ? (
@@ -162,59 +163,10 @@ function RobotQueue({ queue: { robot, active, next } }: { queue: Queue }) {
           <Text size="sm" fw={600} component="h3" m={0}>
             Next
           </Text>
-          <NextList name={name} next={next} />
+          <QueueList name={name} next={next} />
         </div>
       )}
     </Section>
-  );
-}
-
-/** Missions in the order in which they begin. */
-function NextList({ name, next }: { name: string; next: readonly Mission[] }) {
-  return (
-    <ol className={classes.queue} aria-label={`Next for ${name}`}>
-      {next.map((mission, index) => (
-        <Queued key={mission.mission_id} mission={mission} place={index + 1} />
-      ))}
-    </ol>
-  );
-}
-
-/** A mission that waits for its turn. */
-function Queued({ mission, place }: { mission: Mission; place: number }) {
-  const command = useMissionCommand();
-  const hold = holdOf(mission);
-  const steps = mission.steps.length === 1 ? "One step" : `${mission.steps.length} steps`;
-  return (
-    <li className={classes.queued}>
-      <span className={`tabular ${classes.place}`} aria-hidden="true">
-        {place}
-      </span>
-      <div className={classes.words}>
-        <Group gap="xs">
-          <Anchor component={Link} to={missionPath(mission)} size="sm" fw={600}>
-            {missionName(mission)}
-          </Anchor>
-          {hold !== null && (
-            <Badge variant="outline" color="orange" className={classes.badge ?? ""}>
-              {hold.title}
-            </Badge>
-          )}
-        </Group>
-        <Text size="sm" c="dimmed" component="div" className={classes.facts}>
-          <span>{steps}</span>
-          {mission.priority !== PRIORITY && <span>Priority {mission.priority}</span>}
-          <span>
-            Queued <Time value={mission.created_at} />
-            {mission.created_by !== null && ` by ${mission.created_by}`}
-          </span>
-        </Text>
-        {hold !== null && <Text size="sm">{hold.words}</Text>}
-        {hold === null && mission.robot === null && <Text size="sm">{groupWaitWords(mission)}</Text>}
-        <CommandErrorAlert command="The command" error={command.error} onClose={command.reset} />
-      </div>
-      <Commands mission={mission} command={command} />
-    </li>
   );
 }
 

@@ -8,8 +8,9 @@ import { ActionFields, DockFields, type Edit, Options, Refused, WaitFields } fro
 import { actionWords } from "./words";
 import { stepErrors, type Wrong } from "./wrong";
 
-const UP = "M12 5.5 5 12.5l1.4 1.4 4.6-4.6V19h2V9.3l4.6 4.6 1.4-1.4Z";
-const DOWN = "M12 18.5l7-7-1.4-1.4-4.6 4.6V5h-2v9.7l-4.6-4.6L5 11.5Z";
+/** An arrow, on 24 by 24. */
+export const UP = "M12 5.5 5 12.5l1.4 1.4 4.6-4.6V19h2V9.3l4.6 4.6 1.4-1.4Z";
+export const DOWN = "M12 18.5l7-7-1.4-1.4-4.6 4.6V5h-2v9.7l-4.6-4.6L5 11.5Z";
 const CROSS = "M6.4 5 5 6.4l5.6 5.6L5 17.6 6.4 19l5.6-5.6 5.6 5.6 1.4-1.4-5.6-5.6L19 6.4 17.6 5 12 10.6Z";
 
 export const TITLES: Record<StepDraft["kind"], string> = {

@@ -23,6 +23,11 @@ export const extension: Extension = {
       at: "gateway",
     },
     { path: "/ui/missions/places", Page: lazyPart(() => import("./places/PlacesPage")), at: "gateway" },
+    {
+      path: "/ui/missions/:missionId/edit",
+      Page: lazyPart(() => import("./EditMissionPage")),
+      at: "gateway",
+    },
     { path: "/ui/missions/:missionId", Page: lazyPart(() => import("./MissionPage")), at: "gateway" },
   ],
   parts: { robotColumn: RobotMission },

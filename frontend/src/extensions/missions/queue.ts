@@ -13,6 +13,11 @@ export function isActive(mission: Pick<Mission, "status" | "started_at">): boole
   return mission.started_at !== null && !hasEnded(mission);
 }
 
+/** Whether it is neither edited nor moved any more. */
+export function hasBegun(mission: Pick<Mission, "status" | "started_at">): boolean {
+  return mission.started_at !== null || hasEnded(mission);
+}
+
 /** The missions of a robot that have not ended. */
 export interface Queue {
   robot: string;

@@ -1,4 +1,5 @@
 import { type components, deadline, type Http, newKey, settle } from "@dock-gateway/client";
+import { ifUnchanged } from "../../api/version";
 
 type Schemas = components["schemas"];
 
@@ -42,6 +43,31 @@ export function createMission(http: Http, robot: string | null, body: string): P
       signal: deadline(),
     }),
   );
+}
+
+/**
+ * Replaces what a mission is to do that has not begun.
+ *
+ * @param base The mission as it was read: if it has changed since, the gateway refuses.
+ * @param body As for `createMission`.
+ */
+export function replaceMission(http: Http, base: Mission, body: string): Promise<Mission> {
+  return settle(
+    http.PUT("/missions/{mission_id}", {
+      params: { path: { mission_id: base.mission_id }, header: ifUnchanged(base) },
+      body: { steps: [] },
+      bodySerializer: () => body,
+      signal: deadline(),
+    }),
+  );
+}
+
+/** Where a mission goes: right before or after another one of its queue, by the other one's id. */
+export type Place = { before: string } | { after: string };
+
+export function moveMission(http: Http, id: string, place: Place): Promise<Mission> {
+  const params = { path: { mission_id: id } };
+  return settle(http.POST("/missions/{mission_id}/move", { params, body: place, signal: deadline() }));
 }
 
 export function changeMission(http: Http, id: string, verb: Verb): Promise<Mission> {

@@ -1,4 +1,4 @@
-"""Missions by clicking: one is put together and succeeds; a stop holds one until somebody continues it."""
+"""Missions by clicking: put together, queued for a group, edited, moved; a stop holds one until somebody continues it."""
 
 import re
 from collections.abc import Iterator
@@ -125,6 +125,54 @@ def test_what_the_gateway_refuses_is_shown_at_its_field(page: Page, gateway: Run
     statuses = [each["status"] for each in gateway.http.get("/missions").json()["missions"]]
     assert "queued" not in statuses
     assert "running" not in statuses
+
+
+@pytest.mark.expect_page_errors
+def test_a_queue_is_moved_and_its_missions_are_edited(page: Page, gateway: RunningGateway) -> None:
+    def queue(name: str) -> str:
+        body = {"name": name, "steps": [{"wait": {"seconds": 3600}}]}
+        return gateway.http.post("/missions", json=body).raise_for_status().json()["mission_id"]
+
+    ids = [queue(name) for name in ("Now", "One", "Two")]
+    page.get_by_role("navigation", name="Pages").get_by_role("link", name="Missions").click()
+    rows = page.get_by_role("list", name=re.compile("^Next for ")).get_by_role("listitem")
+    expect(rows).to_have_count(2)
+    expect_fits(page)
+    page.get_by_role("button", name="Move Two up").press("Enter")
+    expect(rows.first).to_contain_text("Two")
+    expect(rows.first).to_be_focused()
+    page.get_by_role("button", name="Move Two down").press("Enter")
+    expect(rows.first).to_contain_text("One")
+    page.get_by_role("link", name="Edit: Two").click()
+    name = page.get_by_role("textbox", name="Name", exact=True)
+    expect(name).to_have_value("Two")
+    name.fill("Mine")
+    theirs = {"name": "Theirs", "steps": [{"wait": {"seconds": 60}}]}
+    gateway.http.put(f"/missions/{ids[2]}", json=theirs).raise_for_status()
+    page.get_by_role("button", name="Save").click()
+    expect(page.get_by_text("Someone else has changed it meanwhile")).to_be_visible()
+    expect_fits(page)
+    page.get_by_role("button", name="Replace it with mine").click()
+    expect(rows.last).to_contain_text("Mine")
+    for mission_id in ids:
+        gateway.http.post(f"/missions/{mission_id}/cancel").raise_for_status()
+    expect(page.get_by_role("article")).to_have_count(0)
+
+
+def test_a_mission_for_a_group_is_taken_by_its_robot(page: Page, gateway: RunningGateway) -> None:
+    robot = gateway.http.get("/robots").json()["robots"][0]["name"]
+    label = {"display_name": None, "groups": ["pickers"]}
+    gateway.http.put("/label", params={"robot": robot}, json=label).raise_for_status()
+    page.goto(f"{gateway.url}/ui/missions/new")
+    page.get_by_label("For", exact=True).select_option("Any of pickers")
+    page.get_by_label("Name", exact=True).fill("Grouped")
+    add(page, "Wait")
+    page.get_by_role("textbox", name="Wait for").fill("0")
+    expect_fits(page)
+    page.get_by_role("button", name="Start mission").click()
+    expect(page.get_by_role("row").filter(has_text="Grouped")).to_contain_text("Succeeded")
+    mission = gateway.http.get("/missions").json()["missions"][0]
+    assert (mission["group"], mission["robot"]) == ("pickers", robot)
 
 
 def test_a_robot_charges_and_goes_on(page: Page, gateway: RunningGateway) -> None:
