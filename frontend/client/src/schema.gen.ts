@@ -10443,6 +10443,8 @@ export interface operations {
                 robot?: string | null;
                 /** @description Only missions in these states */
                 status?: components["schemas"]["MissionStatus"][] | null;
+                /** @description Only missions that had not ended before this time, RFC 3339 */
+                since?: string | null;
                 limit?: number;
                 /** @description `next_cursor` of the previous page */
                 cursor?: string | null;

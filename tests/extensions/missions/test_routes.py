@@ -226,6 +226,17 @@ def test_missions_are_listed(client: Client) -> None:
     assert client.send("GET", "/missions?status=lost", 422)["errors"][0]["path"] == "status"
 
 
+def test_missions_that_had_not_ended_before_a_time_are_listed(client: Client) -> None:
+    early, late, _ = ids = [client.post()["mission_id"] for _ in range(3)]
+    for mission_id in (early, late):
+        client.change(mission_id, "cancel")
+    ended = client.send("GET", f"/missions/{late}")["finished_at"]
+    assert client.ids("?since=2026-01-01T00:00:00Z") == ids[::-1]
+    assert client.ids(f"?since={ended}") == ids[:0:-1]
+    assert client.ids(f"?since={ended}&status=canceled") == [late]
+    assert client.send("GET", "/missions?since=now", 422)["errors"][0]["path"] == "since"
+
+
 def test_a_mission_that_ends_while_they_are_listed_is_among_them(client: Client) -> None:
     ended = queued(DOCK).but(status=MissionStatus.SUCCEEDED)
 

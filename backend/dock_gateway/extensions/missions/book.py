@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Callable, Mapping
+from datetime import datetime
 from typing import Any
 
 from dock_gateway.core.cursor import Cursor, newest
@@ -215,9 +216,17 @@ class MissionBook(SharedEntries[MissionEntry]):
         return self.describe(mission_id, await self.find(mission_id, grant))
 
     async def page(
-        self, robot: str | None, statuses: frozenset[MissionStatus], grant: Grant, limit: int, end: Cursor | None
+        self,
+        robot: str | None,
+        statuses: frozenset[MissionStatus],
+        grant: Grant,
+        limit: int,
+        end: Cursor | None,
+        since: datetime | None = None,
     ) -> tuple[list[Mapping[str, Any]], Cursor | None]:
         """Return a page of the missions of a grant, newest first, and where it ends if there are more.
+
+        With `since`, without those that had ended before that time.
 
         Raises:
             Unavailable: The history does not answer (`history_unavailable`).
@@ -230,6 +239,7 @@ class MissionBook(SharedEntries[MissionEntry]):
             for mission_id, mission in missions.items()
             if robot in (None, mission.robot)
             and (not statuses or mission.status in statuses)
+            and (since is None or mission.finished_at is None or mission.finished_at >= since)
             and self._covers(mission, grant)
         )
         places, end = newest(found, limit, end)

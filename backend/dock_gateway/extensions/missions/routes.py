@@ -17,6 +17,7 @@ from dock_gateway.http.openapi import IDEMPOTENCY_KEY, UNSTABLE
 from dock_gateway.http.operation import Scope, operation
 from dock_gateway.http.parts import Part
 from dock_gateway.http.principal import TheGrant, read_own_key
+from dock_gateway.http.queries import TIME_PATTERN, Time
 from dock_gateway.http.requests import (
     Answer,
     AnyRobotQuery,
@@ -34,6 +35,10 @@ router = APIRouter(route_class=ApiRoute, tags=["Missions"], prefix="/missions")
 MissionId = Annotated[str, Path(description="`mission_id`", json_schema_extra={"pattern": MISSION_ID})]
 OwnKey = Annotated[str | None, Depends(read_own_key)]
 StatusQuery = Annotated[list[MissionStatus] | None, Query(description="Only missions in these states")]
+NotEndedQuery = Annotated[
+    Time | None,
+    Query(description="Only missions that had not ended before this time, RFC 3339", json_schema_extra=TIME_PATTERN),
+]
 
 
 def id_of(key: str | None) -> str:
@@ -81,13 +86,15 @@ async def list_missions(
     *,
     robot: AnyRobotQuery = None,
     status: StatusQuery = None,
+    since: NotEndedQuery = None,
     limit: LimitQuery = 50,
     cursor: CursorQuery = None,
 ) -> Answer[MissionList]:
     """List the missions, newest first: those that have not ended, and the last 1000 that have."""
     await known_robots.require(robot, grant, missions.book.has)
     namespace = None if robot is None else read_namespace(robot)
-    page, end = await missions.book.page(namespace, frozenset(status or ()), grant, limit, end_of_page(cursor))
+    statuses = frozenset(status or ())
+    page, end = await missions.book.page(namespace, statuses, grant, limit, end_of_page(cursor), since)
     return json_response({"missions": page, "next_cursor": end and end.encode()})
 
 
