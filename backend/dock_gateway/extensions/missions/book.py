@@ -222,6 +222,7 @@ class MissionBook(SharedEntries[MissionEntry]):
         grant: Grant,
         limit: int,
         end: Cursor | None,
+        *,
         since: datetime | None = None,
     ) -> tuple[list[Mapping[str, Any]], Cursor | None]:
         """Return a page of the missions of a grant, newest first, and where it ends if there are more.

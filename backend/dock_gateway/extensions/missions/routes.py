@@ -94,7 +94,7 @@ async def list_missions(
     await known_robots.require(robot, grant, missions.book.has)
     namespace = None if robot is None else read_namespace(robot)
     statuses = frozenset(status or ())
-    page, end = await missions.book.page(namespace, statuses, grant, limit, end_of_page(cursor), since)
+    page, end = await missions.book.page(namespace, statuses, grant, limit, end_of_page(cursor), since=since)
     return json_response({"missions": page, "next_cursor": end and end.encode()})
 
 

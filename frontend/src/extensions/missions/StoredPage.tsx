@@ -9,6 +9,7 @@ import classes from "./missions.module.css";
 
 const PAGES = [
   { path: "/ui/missions", name: "Missions" },
+  { path: "/ui/missions/today", name: "Today" },
   { path: "/ui/missions/templates", name: "Templates" },
   { path: "/ui/missions/schedules", name: "Schedules" },
   { path: "/ui/missions/places", name: "Places" },

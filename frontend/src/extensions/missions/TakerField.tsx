@@ -26,11 +26,7 @@ export function TakerField({ robot, group, onTaker }: Taker & { onTaker: (taker:
   return (
     <NativeSelect
       label={groups.length === 0 ? "Robot" : "For"}
-      description={
-        group === null
-          ? "It takes the steps."
-          : "The free one with the most charge takes them."
-      }
+      description={group === null ? "It takes the steps." : "The free one with the most charge takes them."}
       value={group === null ? ROBOT + robot : GROUP + group}
       onChange={({ currentTarget: { value } }) =>
         onTaker(

@@ -11,6 +11,7 @@ export const extension: Extension = {
       menu: { name: "Missions", letter: "i", order: 35 },
       at: "gateway",
     },
+    { path: "/ui/missions/today", Page: lazyPart(() => import("./day/DayPage")), at: "gateway" },
     { path: "/ui/missions/new", Page: lazyPart(() => import("./NewMissionPage")), at: "gateway" },
     {
       path: "/ui/missions/templates",

@@ -23,6 +23,21 @@ export function listEnded(http: Http, cursor: string | null): Promise<MissionLis
   return settle(http.GET("/missions", { params: { query }, signal: deadline() }));
 }
 
+/** As many as one request may ask for. */
+const MOST_LISTED = 500;
+
+/** The ended ones that had not ended before a time (RFC 3339). */
+export async function listEndedSince(http: Http, since: string): Promise<Mission[]> {
+  const found: Mission[] = [];
+  for (let cursor: string | null = null; ; ) {
+    const query = { status: ENDED, since, limit: MOST_LISTED, ...(cursor !== null && { cursor }) };
+    const page: MissionList = await settle(http.GET("/missions", { params: { query }, signal: deadline() }));
+    found.push(...page.missions);
+    if (page.next_cursor === null) return found;
+    cursor = page.next_cursor;
+  }
+}
+
 export function getMission(http: Http, id: string): Promise<Mission> {
   return settle(
     http.GET("/missions/{mission_id}", { params: { path: { mission_id: id } }, signal: deadline() }),

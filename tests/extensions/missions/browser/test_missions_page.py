@@ -1,4 +1,4 @@
-"""Missions by clicking: put together, queued for a group, edited, moved; a stop holds one until somebody continues it."""
+"""Missions by clicking: put together, queued for a group, edited, moved, seen on the day; a stop holds one."""
 
 import re
 from collections.abc import Iterator
@@ -173,6 +173,30 @@ def test_a_mission_for_a_group_is_taken_by_its_robot(page: Page, gateway: Runnin
     expect(page.get_by_role("row").filter(has_text="Grouped")).to_contain_text("Succeeded")
     mission = gateway.http.get("/missions").json()["missions"][0]
     assert (mission["group"], mission["robot"]) == ("pickers", robot)
+
+
+def test_the_missions_of_today_lead_to_their_pages(page: Page, gateway: RunningGateway) -> None:
+    def queue(name: str, seconds: float) -> str:
+        body = {"name": name, "steps": [{"wait": {"seconds": seconds}}]}
+        return gateway.http.post("/missions", json=body).raise_for_status().json()["mission_id"]
+
+    queue("Over", 0)
+    running = queue("Under way", 3600)
+    page.goto(f"{gateway.url}/ui/missions/today")
+    bar = page.get_by_role("link", name=re.compile("^Under way, .* now. Running. Step 1 of 1: Wait"))
+    page.get_by_text("1 hour", exact=True).click()
+    expect(bar).to_be_visible()
+    page.mouse.move(0, 0)
+    expect_fits(page)
+    page.set_viewport_size({"width": 390, "height": 900})
+    expect(page.get_by_role("listitem").filter(has_text="Under way")).to_contain_text("now")
+    expect(page.get_by_role("listitem").filter(has_text="Over")).to_contain_text("Succeeded")
+    assert find_violations(page) == []
+    page.set_viewport_size({"width": 1440, "height": 1000})
+    bar.click()
+    expect(page.get_by_role("heading", name="Under way")).to_be_visible()
+    gateway.http.post(f"/missions/{running}/cancel").raise_for_status()
+    expect(page.get_by_role("article")).to_contain_text("Canceled")
 
 
 def test_a_robot_charges_and_goes_on(page: Page, gateway: RunningGateway) -> None:
