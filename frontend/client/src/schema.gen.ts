@@ -4502,7 +4502,7 @@ export interface components {
          * MissionContent
          * @description What a mission is: `steps`, or a `template` by its id, with `arguments` for its parameters.
          *
-         *     `name` and `priority` are those of the template by default; without one, `priority` is 50.
+         *     `name`, `priority` and `battery` are those of the template by default; without one, `priority` is 50.
          */
         MissionContent: {
             /** Name */
@@ -6740,6 +6740,7 @@ export interface components {
              * @default 50
              */
             priority: number;
+            battery: components["schemas"]["BatteryLimits"] | null;
             /** Parameters */
             parameters: {
                 [key: string]: components["schemas"]["Parameter"];
@@ -12024,6 +12025,12 @@ export interface operations {
                     name?: string | null;
                     /** @default 50 */
                     priority?: number;
+                    battery?: {
+                        /** @description Charge, 0 to 1 */
+                        below: number;
+                        /** @description Charge, 0 to 1 */
+                        charge_to: number;
+                    } | null;
                     parameters?: {
                         [key: string]: {
                             description?: string | null;
@@ -12392,7 +12399,7 @@ export interface operations {
                     /**
                      * @description What a mission is: `steps`, or a `template` by its id, with `arguments` for its parameters.
                      *
-                     *     `name` and `priority` are those of the template by default; without one, `priority` is 50.
+                     *     `name`, `priority` and `battery` are those of the template by default; without one, `priority` is 50.
                      */
                     mission: {
                         name?: string | null;

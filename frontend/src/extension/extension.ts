@@ -117,6 +117,8 @@ export interface Places {
   goalOrigin: OfGoal;
   /** Beside the name of a goal in a list. */
   listedGoal: { goal: GoalInList };
+  /** Beside a link to a goal that has ended. */
+  linkedGoal: { goalId: string };
   /** Shows nothing itself: calls `onLayer` with what it adds to the replay of a goal that has ended, null for nothing. */
   replay: OfGoal & { onLayer: (layer: ReplayLayer | null) => void };
   /** Shows nothing itself: calls `onPlacing` with how the page's robot is placed by dragging it, null where it is not. */

@@ -48,7 +48,7 @@ TEMPLATE_EXAMPLE: JsonValue = {"template": "fetch", "arguments": {"shelf": "shel
 class MissionContent(Schema):
     """What a mission is: `steps`, or a `template` by its id, with `arguments` for its parameters.
 
-    `name` and `priority` are those of the template by default; without one, `priority` is 50.
+    `name`, `priority` and `battery` are those of the template by default; without one, `priority` is 50.
     """
 
     name: Name60 | None = None
@@ -82,7 +82,7 @@ class MissionContent(Schema):
             robot=robot,
             name=self.name or made.name,
             priority=made.priority if self.priority is None else self.priority,
-            battery=self.battery,
+            battery=self.battery or made.battery,
             status=MissionStatus.QUEUED,
             held_for=None,
             step=0,

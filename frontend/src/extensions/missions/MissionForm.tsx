@@ -219,5 +219,6 @@ function Unplaced({ draft }: { draft: Draft }) {
 /** A template that makes this mission. */
 function templateOf(draft: Draft): Partial<TemplateDraft> {
   const { steps } = JSON.parse(bodyOf(draft, null)) as { steps: unknown[] };
-  return { name: draft.name, priority: draft.priority, steps: JSON.stringify(escaped(steps), null, 1) };
+  const { name, priority, battery } = draft;
+  return { name, priority, battery, steps: JSON.stringify(escaped(steps), null, 1) };
 }

@@ -1,6 +1,7 @@
 import { Anchor, Text, VisuallyHidden } from "@mantine/core";
 import type { CSSProperties } from "react";
 import { Link } from "react-router";
+import { Parts } from "../../extension/context";
 import { goalPath } from "../../fleet/names";
 import { Time } from "../../ui/Time";
 import classes from "./missions.module.css";
@@ -99,6 +100,9 @@ function StepFacts({ step, robot }: { step: MissionStep; robot: string | null })
           <Anchor key="goal" component={Link} to={goalPath(goal_id, robot)} size="sm" underline="always">
             Goal {goal_id.slice(0, 8)}
           </Anchor>,
+          ...(finished_at === null
+            ? []
+            : [<Parts key={`linked ${goal_id}`} at="linkedGoal" quiet goalId={goal_id} />]),
         ]),
   ];
   return (

@@ -180,7 +180,7 @@ export function draftOf(mission: Mission, now: number, defaultRobot = "/"): Draf
     group,
     name: name ?? "",
     priority,
-    battery: battery && { below: percentOf(battery.below), chargeTo: percentOf(battery.charge_to) },
+    battery: batteryOf(battery),
     steps: mission.steps
       .filter((step) => depthOf(step) === 0)
       .map((step) => stepOf(step, mission.steps, now)),
@@ -190,6 +190,16 @@ export function draftOf(mission: Mission, now: number, defaultRobot = "/"): Draf
 
 /** What a robot charges for, unless somebody says otherwise. */
 export const USUAL_BATTERY: BatteryDraft = { below: 25, chargeTo: 80 };
+
+/** When a robot returns to charge, in percent. */
+export function batteryOf(battery: Mission["battery"]): BatteryDraft | null {
+  return battery && { below: percentOf(battery.below), chargeTo: percentOf(battery.charge_to) };
+}
+
+/** When a robot returns to charge, as it is sent. */
+export function limitsOf(battery: BatteryDraft | null): Mission["battery"] {
+  return battery && { below: chargeOf(battery.below), charge_to: chargeOf(battery.chargeTo) };
+}
 
 /** In percent, with a tenth. */
 function percentOf(charge: number): number {
@@ -284,7 +294,7 @@ export function withMoved(steps: readonly StepDraft[], index: number, by: -1 | 1
 
 /** The request that starts a mission: JSON, as goals are written, so that no number in them is rounded. */
 export function bodyOf({ group, name, priority, battery, steps }: Draft, by: string | null): string {
-  const limits = battery && { below: chargeOf(battery.below), charge_to: chargeOf(battery.chargeTo) };
+  const limits = limitsOf(battery);
   const fields = { name: name.trim() || null, priority: Number(priority), by };
   const own = { ...fields, ...(limits && { battery: limits }) };
   const head = JSON.stringify(group === null ? own : { ...own, group });

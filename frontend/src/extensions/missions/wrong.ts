@@ -38,7 +38,8 @@ export function missionErrors({ priority, battery, steps }: Draft): Wrong[] {
 /** In percent: what lies between the charge at which a robot returns and the one with which it goes on. */
 const LEAST_CHARGE = 5;
 
-function batteryErrors({ below, chargeTo }: BatteryDraft): Wrong[] {
+/** What is wrong with when a robot returns, by the field. */
+export function batteryErrors({ below, chargeTo }: BatteryDraft): Wrong[] {
   const highest = MAX_BELOW * 100;
   if (!isWithin(below, 1, highest)) return [{ path: "battery.below", detail: `From 1 to ${highest} %` }];
   const least = Math.round((Number(below) + LEAST_CHARGE) * 10) / 10;

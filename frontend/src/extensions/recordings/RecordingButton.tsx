@@ -7,7 +7,7 @@ import { GoalPicture } from "./GoalPicture";
 import { recordingOf, recordingUrl } from "./requests";
 
 /** How often it is asked whether a recording is complete (ms). */
-const AGAIN_MS = 1000;
+export const AGAIN_MS = 1000;
 
 /** Whether a goal has a recording; asked again until that is complete. */
 export function useRecording(goal: LiveGoal) {

@@ -1,5 +1,6 @@
 import type { Extension } from "../../extension/extension";
 import { lazyPart } from "../../ui/lazyPart";
+import { LinkedRecording } from "./LinkedRecording";
 import { ListedPicture } from "./ListedPicture";
 import { RecordedPicture, RecordingButton } from "./RecordingButton";
 
@@ -8,6 +9,7 @@ export const extension: Extension = {
   parts: {
     goalHead: RecordedPicture,
     goalCommands: RecordingButton,
+    linkedGoal: LinkedRecording,
     listedGoal: ListedPicture,
     replay: lazyPart(() => import("./replay")),
   },

@@ -37,6 +37,7 @@ const FETCH: NamedTemplate = {
   etag: '"1"',
   name: "Fetch",
   priority: 50,
+  battery: null,
   parameters: {
     shelf: { description: "Where to load", default: null },
     charge: { description: null, default: 0.8 },
@@ -92,6 +93,12 @@ describe("templates", () => {
     expect(bodyOf(draftOf(FETCH), "Ada")).toEqual({ ...fields, by: "Ada" });
     const draft = { ...draftOf(FETCH), steps: '[{"dock": {"dock_id": "$dock"}}]' };
     expect(bodyOf(draft, null).parameters).toEqual({ dock: { description: null, default: null } });
+    const limits = { below: 0.25, charge_to: 0.8 };
+    const charging = draftOf({ ...FETCH, battery: limits });
+    expect(charging.battery).toEqual({ below: 25, chargeTo: 80 });
+    expect(bodyOf(charging, null).battery).toEqual(limits);
+    const low = errorsOf({ ...charging, battery: { below: 25, chargeTo: 20 } });
+    expect(low.battery?.map(({ path }) => path)).toEqual(["battery.charge_to"]);
     expect(errorsOf({ ...draftOf(null), ...EXAMPLE })).toEqual({});
     expect(Object.keys(errorsOf({ ...draftOf(null), steps: "{}", priority: 101 }))).toEqual([
       "name",

@@ -53,11 +53,23 @@ def test_a_template_is_stored_changed_and_removed(client: Client) -> None:
         ({"parameters": PARAMETERS | {"order": {"default": 1}}}, "steps.0.action.goal"),
         ({"parameters": {"order": {"kind": "number"}}}, "parameters.order.kind"),
         ({"priority": 101}, "priority"),
+        ({"battery": {"below": 0.5, "charge_to": 0.4}}, "battery.charge_to"),
         ({"robot": "/"}, "robot"),
     ],
 )
 def test_what_is_no_template(client: Client, change: dict[str, Any], path: str) -> None:
     assert one(client, "PUT", "fetch", 422, json=FETCH | change)["errors"][0]["path"] == path
+
+
+def test_a_mission_has_the_battery_of_its_template_unless_it_has_its_own(client: Client) -> None:
+    limits = {"below": 0.25, "charge_to": 0.8}
+    template = one(client, "PUT", "fetch", 201, json=FETCH | {"battery": limits})
+    assert template["battery"] == limits
+    assert client.post({"template": "fetch", "arguments": FIVE})["battery"] == limits
+    own = {"below": 0.3, "charge_to": 0.9}
+    assert client.post({"template": "fetch", "arguments": FIVE, "battery": own})["battery"] == own
+    one(client, "PUT", "plain", 201, json=FETCH)
+    assert client.post({"template": "plain", "arguments": FIVE})["battery"] is None
 
 
 def test_a_mission_is_made_of_a_template(client: Client) -> None:

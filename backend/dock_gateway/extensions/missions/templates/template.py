@@ -7,6 +7,7 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, ConfigDict, Field, JsonValue
 
 from dock_gateway.core.event import utc_now
+from dock_gateway.extensions.missions.battery import BatteryLimits
 from dock_gateway.extensions.missions.mission import PRIORITY, Priority
 from dock_gateway.extensions.missions.program import MAX_STEPS
 from dock_gateway.extensions.missions.templates.parameters import MAX_PARAMETERS, NAME, check_steps
@@ -42,10 +43,11 @@ def _check_names(parameters: dict[str, Parameter]) -> dict[str, Parameter]:
 
 
 class TemplateFields(Schema):
-    """The fields of a template. `name` and `priority` are those of its missions."""
+    """The fields of a template. `name`, `priority` and `battery` are those of its missions."""
 
     name: Name60 | None = None
     priority: Priority = PRIORITY
+    battery: BatteryLimits | None = None
     parameters: Annotated[
         dict[str, Parameter], Field(max_length=MAX_PARAMETERS, default_factory=dict), AfterValidator(_check_names)
     ]

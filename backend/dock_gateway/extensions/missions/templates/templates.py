@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.versions import UNCONDITIONAL, Condition
+from dock_gateway.extensions.missions.battery import BatteryLimits
 from dock_gateway.extensions.missions.step import StepFields
 from dock_gateway.extensions.missions.templates.parameters import Filling, at_arguments, read_steps, require_arguments
 from dock_gateway.extensions.missions.templates.template import TemplateEntry
@@ -26,12 +27,14 @@ class Filled(NamedTuple):
         name: Its name, if the request has none.
         priority: Its priority, if the request has none.
         places: Where in the steps which argument of the request stands.
+        battery: When the robot returns to charge, if the request does not say so.
     """
 
     steps: list[StepFields]
     name: str | None
     priority: int
     places: Mapping[str, str]
+    battery: BatteryLimits | None = None
 
 
 class Templates:
@@ -100,7 +103,7 @@ class Templates:
         steps = filling.fill(template.steps, "steps")
         given = {path: name for path, name in filling.places.items() if name in arguments}
         with at_arguments(given):
-            return Filled(read_steps(steps), template.name, template.priority, given)
+            return Filled(read_steps(steps), template.name, template.priority, given, template.battery)
 
     async def _find(self, template_id: str, grant: Grant) -> TemplateEntry:
         template = await self._book.find(template_id)

@@ -7,6 +7,7 @@ import { useWhyNot } from "../../../fleet/context";
 import { Dialog } from "../../../ui/Dialog";
 import { Empty } from "../../../ui/Empty";
 import { ENTRY_BUTTON, ReasonButton } from "../../../ui/ReasonButton";
+import { BatteryFields } from "../BatteryFields";
 import classes from "../missions.module.css";
 import { StoredPage } from "../StoredPage";
 import { useStoredCommands } from "../stored";
@@ -151,6 +152,11 @@ function TemplateForm({ template, example, templates, onDone }: TemplateFormProp
             onChange={(event) => change({ steps: event.currentTarget.value })}
           />
           <Parameters draft={draft} onChange={(parameters) => change({ parameters })} />
+          <BatteryFields
+            battery={draft.battery}
+            errors={errors.battery ?? []}
+            onChange={(battery) => change({ battery })}
+          />
           <NumberInput
             label="Priority"
             min={0}

@@ -1,6 +1,8 @@
 import type { Json } from "../../../api/jsonSchema";
+import { type BatteryDraft, batteryOf, limitsOf } from "../draft";
 import { PRIORITY } from "../queue";
 import { named, type Stored, sorted, useStored } from "../stored";
+import { batteryErrors, type Wrong } from "../wrong";
 import { deleteTemplate, listTemplates, putTemplate, type Template, type TemplateBody } from "./requests";
 
 export type NamedTemplate = Template & { name: string };
@@ -78,6 +80,8 @@ export function placesIn(steps: unknown): Set<string> {
 export interface TemplateDraft {
   name: string;
   priority: number | string;
+  /** Null: its missions do not return by themselves. */
+  battery: BatteryDraft | null;
   /** JSON. */
   steps: string;
   /** Of all parameters that were there, by name. */
@@ -104,7 +108,13 @@ export const EXAMPLE: Partial<TemplateDraft> = {
 };
 
 export function draftOf(template: NamedTemplate | null): TemplateDraft {
-  const { name = "", priority = PRIORITY, steps = [{ dock: {} }], parameters = {} } = template ?? {};
+  const {
+    name = "",
+    priority = PRIORITY,
+    battery = null,
+    steps = [{ dock: {} }],
+    parameters = {},
+  } = template ?? {};
   const typed = Object.entries(parameters).map(([key, { description, default: initial }]) => [
     key,
     { description: description ?? "", initial: textOf(initial) },
@@ -112,14 +122,17 @@ export function draftOf(template: NamedTemplate | null): TemplateDraft {
   return {
     name,
     priority,
+    battery: batteryOf(battery),
     steps: JSON.stringify(steps, null, 1),
     parameters: Object.fromEntries(typed) as TemplateDraft["parameters"],
   };
 }
 
 /** What is wrong with each field. */
-export function errorsOf({ name, priority, steps }: TemplateDraft) {
-  const errors: Partial<Record<keyof TemplateDraft, string>> = {};
+export function errorsOf({ name, priority, battery, steps }: TemplateDraft) {
+  const errors: Partial<Record<Exclude<keyof TemplateDraft, "battery">, string>> & { battery?: Wrong[] } = {};
+  const wrong = battery === null ? [] : batteryErrors(battery);
+  if (wrong.length > 0) errors.battery = wrong;
   if (name.trim() === "") errors.name = "Type a name.";
   if (typeof priority !== "number" || priority < 0 || priority > 100 || !Number.isInteger(priority))
     errors.priority = "A whole number from 0 to 100";
@@ -137,6 +150,7 @@ export function bodyOf(draft: TemplateDraft, by: string | null): TemplateBody {
   return {
     name: draft.name.trim(),
     priority: Number(draft.priority),
+    battery: limitsOf(draft.battery),
     steps,
     parameters: Object.fromEntries(parameters) as TemplateBody["parameters"],
     by,
