@@ -1,6 +1,7 @@
 """Delivers a goal to the action server: stores it, sends it, takes the answer. Enforces the deadlines."""
 
 import asyncio
+import time
 import uuid
 from collections.abc import Awaitable, Callable
 from contextlib import ExitStack, suppress
@@ -21,6 +22,8 @@ from dock_gateway.ros.bridge import PendingCall
 
 # Rejection codes that are passed on from an action server; any other becomes `goal_rejected`.
 KNOWN_REJECTIONS = ("dock_busy", "stop_latched")
+# Seconds within which a server that has accepted a goal reports it, when it refuses the same goal sent again.
+SEEN_WITHIN = 1.0
 STOPPED_ON_ITS_WAY = "the goal was not sent, as a stop was requested first"
 
 
@@ -128,7 +131,8 @@ class GoalDelivery:
             for wait in self._context.before_send:
                 await wait(sender, port.action_name, port.encode_goal(message))
         origin: Origin = "automation" if sender is None else "gateway"
-        goal = again or self._tracker.new_goal(str(uuid.uuid4()), utc_now(), origin)
+        made = str(uuid.uuid4())
+        goal = again or self._tracker.new_goal(made, utc_now(), origin)
         if again is None:
             goal.goal = port.encode_goal(message)
             if claim is not None and (first := await claim.take(goal)):
@@ -146,7 +150,7 @@ class GoalDelivery:
         except GatewayError as error:
             self._tracker.apply(GoalMachine.end, goal, GoalStatus.REJECTED, error=GoalError(error.code, error.detail))
             raise
-        return outcome(goal, running=await self._take_answer(goal, call))
+        return outcome(goal, running=await self._take_answer(goal, call, may_run=goal.goal_id != made))
 
     async def _pass_gates(self, goal: Goal, message: Any, claim: KeyClaim | None, sender: Principal | None) -> Any:
         """Return the message of a goal that may be sent. The key of one that may not is free again.
@@ -175,8 +179,14 @@ class GoalDelivery:
 
     # ------------------------------------------------------------------ the answer
 
-    async def _take_answer(self, goal: Goal, call: PendingCall) -> str | None:
-        """Take the answer; return the goal that was running, if it was rejected because of one."""
+    async def _take_answer(self, goal: Goal, call: PendingCall, *, may_run: bool) -> str | None:
+        """Take the answer; return the goal that was running, if it was rejected because of one.
+
+        Args:
+            goal: The goal.
+            call: Its request.
+            may_run: Whether it may have been sent before, here or by another gateway.
+        """
         try:
             async with asyncio.timeout(self._context.settings.accept_timeout):
                 response = await asyncio.shield(call.response)
@@ -189,10 +199,18 @@ class GoalDelivery:
             # A gateway that is killed after its answer then knows that the goal runs.
             await self._context.history.seal(goal, [])
             return None
+        if may_run:
+            await self._wait_until_seen(goal)
         return await self._reject(goal)
 
     def _accept(self, goal: Goal, response: Any) -> None:
         self._tracker.apply(GoalMachine.accept, goal, response.stamp.sec * 1_000_000_000 + response.stamp.nanosec)
+
+    async def _wait_until_seen(self, goal: Goal) -> None:
+        """Wait until the server reports a goal, which it refuses if it has accepted it before; a moment at most."""
+        deadline = time.monotonic() + SEEN_WITHIN
+        while goal.status is GoalStatus.PENDING and time.monotonic() < deadline:  # noqa: ASYNC110 - there is no event
+            await asyncio.sleep(0.02)
 
     async def _reject(self, goal: Goal) -> str | None:
         busy_with = self._busy_with()
@@ -231,7 +249,7 @@ class GoalDelivery:
             self._tracker.heard()
             if response.result().accepted:
                 self._accept(goal, response.result())
-            else:
+            elif goal.status is GoalStatus.LOST:  # else it runs: the server refused the same id sent again
                 self._tracker.apply(GoalMachine.end, goal, GoalStatus.REJECTED, error=goal.error)
 
         call.response.add_done_callback(answered)

@@ -333,6 +333,22 @@ async def test_a_goal_that_runs_is_not_ended_by_a_rejection(scene: Scene) -> Non
     assert (await task).status is S.EXECUTING
 
 
+@pytest.mark.parametrize("reported", [True, False])
+async def test_a_goal_that_may_have_been_sent_before_is_rejected_once_its_server_could_have_reported_it(
+    scene: Scene, *, reported: bool
+) -> None:
+    first = Goal(A, "/dock", "pkg/action/Dock", utc_now())
+    task = await scene.send(again=first)
+    scene.answer(REJECTED)
+    await asyncio.sleep(0.2)
+    assert not task.done()
+    if reported:
+        scene.tracker.apply(GoalMachine.report, A, S.EXECUTING, 1, 2)
+        assert (await task).status is S.EXECUTING
+    else:
+        assert (await refusal(task)).code == "goal_rejected"
+
+
 # ------------------------------------------------------------------ giving up
 
 

@@ -13,6 +13,7 @@ from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.extensions.missions.actions import covers
 from dock_gateway.extensions.missions.book import MissionBook
+from dock_gateway.extensions.missions.last_stops import LastStop, LastStops
 from dock_gateway.extensions.missions.messages import Messages
 from dock_gateway.extensions.missions.mission import MissionEntry
 from dock_gateway.extensions.missions.missions import Missions
@@ -79,7 +80,7 @@ class Client(RouteClient):
         self.templates = Templates(SharedBook(history.documents("template", TemplateEntry), "template", MAX_TEMPLATES))
         self.missions = Missions(
             self.book,
-            cast("Any", SimpleNamespace(wake=lambda: None, allow=lambda _: None)),
+            cast("Any", SimpleNamespace(wake=lambda: None)),
             robots=cast("Any", SimpleNamespace(get=self.get_robot, default_namespace="/")),
             actions=cast("Any", SimpleNamespace(get=lambda name: self if name == "/fibonacci" else None)),
             robot_actions=actions,
@@ -89,6 +90,7 @@ class Client(RouteClient):
             interlock=cast("Any", self),
             members=self.members,
             approvals=cast("Any", SimpleNamespace(needs=self.needs)),
+            last_stops=LastStops(history.documents("mission_stop", LastStop)),
         )
         self.parts = cast("Any", {Missions: self.missions})
         store = history.documents("schedule", ScheduleEntry)

@@ -305,6 +305,39 @@ async def test_a_stop_that_does_not_stay_holds_what_runs_and_nothing_later() -> 
 
 
 @in_virtual_time
+async def test_a_stop_that_does_not_stay_holds_what_another_gateway_has_just_begun() -> None:
+    site = Site(gateways=2)
+    await asyncio.sleep(10.5)
+    first, second = site.runners
+    await site.add({"wait": {"seconds": 60}})
+    await asyncio.sleep(0.1)
+    assert site.store.known["a"].status is MissionStatus.RUNNING
+    assert second.book.all() == {}
+    second.on_stop("/")
+    await asyncio.sleep(0.1)
+    assert site.store.known["a"].held_for == "stop"
+    await first.book.amend("a", UNLIMITED, lambda mission: progress.resume(mission, now()))
+    assert (await site.ended()).status is MissionStatus.SUCCEEDED
+
+
+@in_virtual_time
+async def test_after_a_stop_another_gateway_begins_no_mission_that_was_queued_before() -> None:
+    site = Site(gateways=2)
+    first, second = site.runners
+    await site.add({"wait": {"seconds": 5}})
+    await site.add(DOCK, mission_id="b")
+    await asyncio.sleep(1)
+    first.on_stop("/")
+    await asyncio.sleep(0.1)
+    await second.book.amend("a", UNLIMITED, lambda mission: progress.cancel(mission, now()))
+    second.wake()
+    await asyncio.sleep(10)
+    assert (second.book.all()["b"].held_for, site.server.goals) == ("stop", {})
+    await second.book.amend("b", UNLIMITED, lambda mission: progress.resume(mission, now()))
+    assert (await site.ended("b")).status is MissionStatus.SUCCEEDED
+
+
+@in_virtual_time
 async def test_a_stop_counts_although_another_gateway_changes_the_mission_first() -> None:
     site = Site()
     (runner,) = site.runners
@@ -312,10 +345,10 @@ async def test_a_stop_counts_although_another_gateway_changes_the_mission_first(
     await asyncio.sleep(5)
     change = runner.book.change
 
-    async def lose_once(mission_id: str, before: MissionEntry, after: MissionEntry) -> bool:
+    async def lose_once(mission_id: str, before: MissionEntry, after: MissionEntry, **more: Any) -> bool:
         runner.book.change = change  # type: ignore[method-assign]
         await change(mission_id, before, before.but())
-        return await change(mission_id, before, after)
+        return await change(mission_id, before, after, **more)
 
     runner.book.change = lose_once  # type: ignore[method-assign]
     runner.on_stop("/")
@@ -425,7 +458,7 @@ async def test_a_released_stop_starts_no_robot_of_a_group_also_after_a_restart()
     (runner,) = site.runners
     await site.add({"wait": {"seconds": 1}}, robot=None, group="pickers")
     await asyncio.sleep(2)
-    runner.on_stop_change("/")
+    runner.on_stop("/")
     site.free = {"/": replace(FREE, stopped_at=site.last_stops[0].at("/"))}
     await asyncio.sleep(2)
     await runner.close()
@@ -460,8 +493,8 @@ async def test_a_latched_stop_keeps_a_message_from_being_sent() -> None:
     await site.add({"wait": {"seconds": 5}}, CALL)
     site.runners[0].book.change, change = cast("Any", None), site.runners[0].book.change
 
-    async def latch_late(mission_id: str, before: MissionEntry, after: MissionEntry) -> bool:
-        changed = await change(mission_id, before, after)
+    async def latch_late(mission_id: str, before: MissionEntry, after: MissionEntry, **more: Any) -> bool:
+        changed = await change(mission_id, before, after, **more)
         site.held |= after.step == 1 and after.current.has_message
         return changed
 

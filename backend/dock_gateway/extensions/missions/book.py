@@ -15,6 +15,7 @@ from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
 from dock_gateway.extensions.missions.notices import Notices
 from dock_gateway.extensions.missions.turns import last_order, next_order, require_turn
 from dock_gateway.storage import Entries
+from dock_gateway.storage.entries import Dependency
 from dock_gateway.storage.shared_entries import SharedEntries
 
 log = logging.getLogger(__name__)
@@ -120,6 +121,7 @@ class MissionBook(SharedEntries[MissionEntry]):
         before: MissionEntry,
         after: MissionEntry,
         allow: Callable[[Mapping[str, MissionEntry]], None] = lambda _: None,
+        dependency: Dependency | None = None,
     ) -> bool:
         """Store a change, unless another one was first; return whether it was stored.
 
@@ -128,6 +130,7 @@ class MissionBook(SharedEntries[MissionEntry]):
             before: As it was read.
             after: With the change.
             allow: Is given all that are stored, and raises Conflict if the change must not be made after all.
+            dependency: Entries of another kind that are checked in the same transaction.
 
         Raises:
             Unavailable: The history does not answer (`history_unavailable`); nothing has changed.
@@ -142,7 +145,7 @@ class MissionBook(SharedEntries[MissionEntry]):
             allow(stored)
 
         try:
-            await self.store(mission_id, after, check)
+            await self.store(mission_id, after, check, dependency)
         except Conflict:
             await self.read()
             return False

@@ -98,6 +98,7 @@ async def open_missions(parts: Parts) -> AsyncIterator[Missions]:
             interlock=interlock,
             members=labels.in_group,
             approvals=parts[Approvals],
+            last_stops=last_stops,
         )
         _open_schedules(parts, missions, last_stops, stack)
         yield missions
@@ -111,8 +112,7 @@ def _listen(parts: Parts, runner: MissionRunner, stack: AsyncExitStack) -> None:
         actions.on_end.adding(runner.on_goal),
         actions.on_lost.adding(runner.on_goal),
         parts[Stopper].on_stop.adding(runner.on_stop),
-        parts[Stopper].on_stop.adding(runner.on_stop_change),
-        parts[Interlock].on_release.adding(runner.on_stop_change),
+        parts[Interlock].on_release.adding(runner.on_release),
         robots.at_work.adding(runner.has_work),
         robots.on_low_battery.adding(runner.ask_to_charge),
         alerts.sources.adding(lambda: alerts_of_holds(book.all().values())),

@@ -260,7 +260,7 @@ class MissionEntry(MissionFields):
         parked: Whether a break has left the robot on its dock.
         revision: Counts its changes: one who changes it says what they have read.
         edition: Counts the changes of what it is to do.
-        allowed_at: When somebody last let it begin, after it was queued.
+        allowed_at: When somebody last let it begin or go on, after it was queued.
     """
 
     steps: tuple[StepEntry, ...]
@@ -284,7 +284,7 @@ class MissionEntry(MissionFields):
 
     @property
     def allowed_since(self) -> datetime:
-        """When somebody last let it begin."""
+        """When somebody last let it begin or go on."""
         return self.allowed_at or self.created_at
 
     @property

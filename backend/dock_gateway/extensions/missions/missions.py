@@ -12,6 +12,7 @@ from dock_gateway.core.versions import Condition
 from dock_gateway.extensions.missions import progress
 from dock_gateway.extensions.missions.actions import action_of, actions_of, covers, read_goal, robots_of
 from dock_gateway.extensions.missions.book import MissionBook
+from dock_gateway.extensions.missions.last_stops import LastStops
 from dock_gateway.extensions.missions.messages import Messages
 from dock_gateway.extensions.missions.mission import HoldReason, MissionEntry, MissionStatus
 from dock_gateway.extensions.missions.moving import move
@@ -43,6 +44,7 @@ class Missions:
         interlock: The latched stops.
         members: Returns the robots that are in a group.
         approvals: Which goals of agents a person has to allow.
+        last_stops: When robots were last stopped.
     """
 
     def __init__(
@@ -59,6 +61,7 @@ class Missions:
         interlock: Interlock,
         members: Members,
         approvals: Approvals,
+        last_stops: LastStops,
     ) -> None:
         self.book = book
         self._runner = runner
@@ -71,6 +74,7 @@ class Missions:
         self._interlock = interlock
         self._members = members
         self._approvals = approvals
+        self._last_stops = last_stops
 
     async def add(self, mission_id: str, body: MissionBody, robot: str | None, grant: Grant) -> Mapping[str, Any]:
         """Queue a mission for a robot, or for one of a group; return it.
@@ -287,8 +291,11 @@ class Missions:
     async def _let_go_on(
         self, mission_id: str, grant: Grant, revise: Callable[[MissionEntry], MissionEntry]
     ) -> Mapping[str, Any]:
+        since = utc_now()
         document = await self._amend(mission_id, grant, revise)
-        self._runner.allow(document["robot"])
+        if document["robot"] is not None:
+            await self._last_stops.allow(document["robot"], since)
+            self._runner.wake()
         return document
 
     def _require_held(self, mission: MissionEntry) -> MissionEntry:

@@ -46,7 +46,7 @@ def next_move(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
     if mission.status is MissionStatus.HELD:
         return _hold(mission, facts, now)
     if facts.stopped:
-        return Change(mission.but(status=MissionStatus.HELD, held_for=HoldReason.STOP))
+        return Change(stop(mission))
     if recharge.has_recovered(mission, facts):
         return Change(mission.but(recharge_skipped=False))
     if mission.current.status is StepStatus.RUNNING:
@@ -270,6 +270,11 @@ def start(mission: MissionEntry, now: datetime, robot: str | None = None) -> Mis
     return enter(mission.but(robot=robot or mission.robot, status=MissionStatus.RUNNING, started_at=now), now)
 
 
+def stop(mission: MissionEntry) -> MissionEntry:
+    """Return a mission that is held for a stop; a goal that runs is followed to its end."""
+    return mission.but(status=MissionStatus.HELD, held_for=HoldReason.STOP)
+
+
 def cancel(mission: MissionEntry, now: datetime) -> MissionEntry:
     """Return a mission that is being canceled; one that has not begun has ended."""
     if mission.started_at is None:
@@ -295,7 +300,7 @@ def resume(mission: MissionEntry, now: datetime) -> MissionEntry:
         return mission
     if mission.started_at is None:
         return mission.but(status=MissionStatus.QUEUED, held_for=None, allowed_at=now)
-    goes_on = mission.but(status=MissionStatus.RUNNING, held_for=None)
+    goes_on = mission.but(status=MissionStatus.RUNNING, held_for=None, allowed_at=now)
     if mission.held_for is HoldReason.PERSON and goes_on.current.waits_for_person:
         return succeed(goes_on, now)
     if goes_on.current.status is StepStatus.WAITING:

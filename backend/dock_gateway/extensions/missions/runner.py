@@ -97,7 +97,6 @@ class MissionRunner:
         self._docked = docked
         self._clock = clock
         self._name = uuid.uuid4().hex if history.shared else None  # as the one that sends goals
-        self._stopped: set[str] = set()  # robots that were stopped since the last look
         self._given_up: set[str] = set()  # lost goals that are canceled should they return
         self._sent: dict[str, Sent] = {}  # calls and messages whose tries this gateway has begun, by their keys
         self._busy: set[str] = set()  # robots
@@ -119,20 +118,12 @@ class MissionRunner:
 
     def on_stop(self, robot: str) -> None:
         """Hold the mission of a robot that is stopped, also if the stop does not stay."""
-        running = (each for each in self.book.all().values() if each.status is MissionStatus.RUNNING)
-        if any(mission.robot == robot for mission in running):
-            self._stopped.add(robot)
-            self.wake()
-
-    def on_stop_change(self, robot: str) -> None:
-        """Note that a robot is stopped or released."""
         self._last_stops.note(robot, self._clock())
         self.wake()
 
-    def allow(self, robot: str | None) -> None:
-        """Let a robot go on that was stopped, as somebody has continued one of its missions."""
-        if robot is not None:
-            self._last_stops.allow(robot)
+    def on_release(self, robot: str) -> None:
+        """Note that the stop of a robot is released, which starts no mission."""
+        self._last_stops.note_release(robot, self._clock())
         self.wake()
 
     def _has_for_groups(self) -> bool:
@@ -168,10 +159,11 @@ class MissionRunner:
         while True:
             self._woken.clear()
             try:
-                if loop.time() - synced >= SYNC_INTERVAL and await self.book.sync():
-                    synced = loop.time()
-                    if self._has_for_groups() or self._last_stops.unsaved:
-                        await self._last_stops.sync()
+                if self._last_stops.unsaved or loop.time() - synced >= SYNC_INTERVAL:
+                    # Stops first: what begins afterwards is refused, and what has begun before is read, and held.
+                    await self._last_stops.sync()
+                    if await self.book.sync():
+                        synced = loop.time()
                 self._look()
             except Exception:
                 log.exception("while looking at missions")
@@ -200,8 +192,6 @@ class MissionRunner:
             while (mission := self.book.get(mission_id)) is not None and not mission.status.ended:
                 if mission.robot not in (None, robot):
                     return  # another gateway has given it to another robot
-                if mission.status in (MissionStatus.HELD, MissionStatus.CANCELING):
-                    self._stopped.discard(robot)  # another gateway was first
                 wait = await self._take_step(robot, mission_id, mission)
                 if wait is not None:
                     self.book.set_wait(mission_id, wait.reason)
@@ -225,20 +215,20 @@ class MissionRunner:
             Unavailable: The history does not answer.
         """
         if mission.status is MissionStatus.QUEUED:
-            started = await self.book.change(mission_id, mission, progress.start(mission, self._clock(), robot))
-            return None if started else Wait(WaitsFor.TURN)
+            started = progress.start(mission, self._clock(), robot)
+            if self._last_stops.holds(robot, mission):
+                started = progress.stop(started)
+            return None if await self._change(robot, mission_id, mission, started) else Wait(WaitsFor.TURN)
         facts = await self._facts(mission_id, mission)
         move = next_move(mission, facts, self._clock())
         match move:
             case Change(after):
-                changed = await self.book.change(mission_id, mission, after)
+                changed = await self._change(robot, mission_id, mission, after)
                 self._sent.pop(_key(mission_id, mission), None)
                 if changed and begins_message(mission, after):
                     self._sent[_key(mission_id, after)] = Sent()
                 if facts.goal is not None:
                     self._given_up.discard(facts.goal.goal_id)
-                if changed and after.status is not MissionStatus.RUNNING:
-                    self._stopped.discard(robot)
                 return None
             case Send() if mission.current.is_message:
                 await self._send_message(mission_id, mission)
@@ -250,13 +240,26 @@ class MissionRunner:
             case Wait():
                 return move
 
+    async def _change(self, robot: str, mission_id: str, before: MissionEntry, after: MissionEntry) -> bool:
+        """Store a change, unless another gateway has made one, or stored a stop; return whether it was stored.
+
+        Raises:
+            Unavailable: The history does not answer.
+        """
+        moves = after.status is MissionStatus.RUNNING
+        none_since = self._last_stops.none_since(robot, after) if moves else None
+        changed = await self.book.change(mission_id, before, after, dependency=none_since)
+        if moves and not changed:
+            await self._last_stops.read()
+        return changed
+
     async def _facts(self, mission_id: str, mission: MissionEntry) -> Facts:
         step, robot = mission.current, mission.its_robot
         goal = await self._goal(mission_id, mission) if step.has_goal else None
         battery = self._battery(robot)
         others = (each for each in self._actions.running() if each.goal_id != step.goal_id)
         return Facts(
-            stopped=robot in self._stopped or self._interlock.holds(robot),
+            stopped=self._last_stops.holds(robot, mission) or self._interlock.holds(robot),
             other_goal=any(self._is_of(robot, each.action_name) for each in others),
             battery=battery.percentage,
             charging=battery.power_supply in CHARGES,
@@ -305,7 +308,8 @@ class MissionRunner:
             if step.verb is not None:
                 await self._docks.require(action, step.request)
             stored = (await self.book.read()).get(mission_id)
-            if stored is None or stored.revision != mission.revision or mission.robot in self._stopped:
+            held = self._last_stops.holds(mission.its_robot, mission)
+            if stored is None or stored.revision != mission.revision or held:
                 return None  # such as one that another gateway holds for a stop
             # No wait from here to the submission, which notices every stop that comes later.
             goal = await action.submitter.submit(message, _key(mission_id, mission), sender=None)

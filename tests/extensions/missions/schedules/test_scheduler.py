@@ -216,7 +216,7 @@ async def test_a_released_stop_starts_no_mission_of_a_schedule() -> None:
     await asyncio.sleep(HOUR)
     (held,) = site.missions.known.values()
     assert (held.status, held.held_for) == (MissionStatus.HELD, HoldReason.STOP)
-    site.last_stops.allow("/")
+    await site.last_stops.allow("/", site.now())
     await asyncio.sleep(HOUR)
     assert [each.status for each in site.missions.known.values()] == [MissionStatus.HELD, MissionStatus.QUEUED]
     site.last_stops.note("/", site.now())

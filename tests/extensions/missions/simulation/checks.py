@@ -121,14 +121,18 @@ class Checks:
             return
         began, ended = self._stops.get(robot, (-1.0, -1.0))
         stopped = began >= 0 and ended < self._now and self._allowed.get(robot, -1.0) < began
-        if stopped and not self._is_queued_since(robot, began):
+        if stopped and not self._is_queued_since(robot, tag, began):
             self.fault(f"{gateway.name} sends {tag} to {robot}, which was stopped at {began:.3f}, and nobody continued")
 
-    def _is_queued_since(self, robot: str, at: float) -> bool:
-        """Return whether somebody, or a schedule, has queued the present mission of a robot after a time."""
-        since = START_NS / 1e9 + at
-        own = (each for each in self.stored().values() if each.active and robot_of(each) == robot)
-        return any(each.created_at.timestamp() > since for each in own)
+    def _is_queued_since(self, robot: str, tag: str, at: float) -> bool:
+        """Return whether somebody, or a schedule, has queued the mission of a step after a time."""
+        place, stored = self._places.get(tag), {**self.ended, **self.stored()}
+        if place is not None:
+            mission = stored.get(place.mission_id)
+        else:  # all missions of a schedule have the same tags
+            own = (each for each in stored.values() if each.schedule is not None and robot_of(each) == robot)
+            mission = next((each for each in own if each.active), None)
+        return mission is not None and mission.created_at.timestamp() > START_NS / 1e9 + at
 
     def called(self, gateway: "Gateway", robot: str, message: Mapping[str, Any]) -> None:
         """A service of a robot is called."""
