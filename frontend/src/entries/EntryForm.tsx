@@ -14,6 +14,9 @@ interface EntryBase {
   changed_by: string | null;
 }
 
+/** Changes fields of a draft; by a function, they depend on what the draft is then. */
+type Change<Draft> = (part: Partial<Draft> | ((before: Draft) => Partial<Draft>)) => void;
+
 interface EntryFormProps<
   Entry extends EntryBase,
   Draft extends { name: string },
@@ -42,7 +45,7 @@ interface EntryFormProps<
   onSaved: (stored: Stored) => void;
   onCancel: () => void;
   /** The fields between its name and that of who saves it; errors are shown from the first try on. */
-  children: (draft: Draft, errors: Partial<Errors>, change: (part: Partial<Draft>) => void) => ReactNode;
+  children: (draft: Draft, errors: Partial<Errors>, change: Change<Draft>) => ReactNode;
 }
 
 /** Adds or changes something that is stored under a name, such as a rule or a webhook. */
@@ -74,7 +77,8 @@ export function EntryForm<
   const [tried, setTried] = useState(false);
   const errors = errorsOf(draft);
   const shown: Partial<Errors> = tried ? errors : {};
-  const change = (part: Partial<Draft>) => setDraft((before) => ({ ...before, ...part }));
+  const change: Change<Draft> = (part) =>
+    setDraft((before) => ({ ...before, ...(typeof part === "function" ? part(before) : part) }));
   const store = (replaced: Entry | null) => {
     setTried(true);
     if (Object.keys(errors).length > 0) return;

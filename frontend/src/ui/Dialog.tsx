@@ -8,13 +8,21 @@ interface DialogProps {
   title: string;
   opened: boolean;
   onClose: () => void;
+  /** For one with more than a few fields. */
+  size?: "xl";
   children: ReactNode;
 }
 
 /** A dialog below the header, so that Stop stays in reach. Its title is not a second header of the page. */
-export function Dialog({ title, opened, onClose, children }: DialogProps) {
+export function Dialog({ title, opened, onClose, size, children }: DialogProps) {
   return (
-    <Modal.Root opened={opened} onClose={onClose} zIndex={250} yOffset="calc(var(--header-height) + 1rem)">
+    <Modal.Root
+      opened={opened}
+      onClose={onClose}
+      size={size}
+      zIndex={250}
+      yOffset="calc(var(--header-height) + 1rem)"
+    >
       <Modal.Overlay />
       {/* While it fades out, a second press would send its command again. */}
       <Modal.Content aria-label={title} inert={!opened}>

@@ -11,7 +11,7 @@ import { ReasonButton } from "../../ui/ReasonButton";
 import { Section } from "../../ui/Section";
 import { BatteryFields } from "./BatteryFields";
 import { Begins } from "./Begins";
-import { bodyOf, type Draft, MAX_NAME, MAX_PRIORITY, MIN_PRIORITY, type StepDraft } from "./draft";
+import { type Draft, MAX_NAME, MAX_PRIORITY, MIN_PRIORITY, type StepDraft } from "./draft";
 import { missionPath } from "./MissionCard";
 import { useSaveMission } from "./missions";
 import classes from "./missions.module.css";
@@ -19,7 +19,8 @@ import { hasBegun } from "./queue";
 import type { Mission } from "./requests";
 import { StepList } from "./StepList";
 import { TakerField, useExampleRobot } from "./TakerField";
-import { escaped, type TemplateDraft } from "./templates/templates";
+import { type Example, escaped } from "./templates/templates";
+import { bodyOf } from "./toRequest";
 import { errorAt, isReady, missionErrors } from "./wrong";
 
 /** A mission that is edited. */
@@ -217,8 +218,8 @@ function Unplaced({ draft }: { draft: Draft }) {
 }
 
 /** A template that makes this mission. */
-function templateOf(draft: Draft): Partial<TemplateDraft> {
+function templateOf(draft: Draft): Example {
   const { steps } = JSON.parse(bodyOf(draft, null)) as { steps: unknown[] };
   const { name, priority, battery } = draft;
-  return { name, priority, battery, steps: JSON.stringify(escaped(steps), null, 1) };
+  return { name, priority, battery, steps: escaped(steps) as unknown[] };
 }

@@ -5,6 +5,7 @@ import { isBlock, type StepDraft } from "./draft";
 import { BlockFields, MessageFields, NotifyFields, PlaceFields } from "./FurtherFields";
 import classes from "./missions.module.css";
 import { ActionFields, DockFields, type Edit, Options, Refused, WaitFields } from "./StepFields";
+import { FormSwitch, WrittenFields } from "./WrittenFields";
 import { actionWords } from "./words";
 import { stepErrors, type Wrong } from "./wrong";
 
@@ -24,6 +25,7 @@ export const TITLES: Record<StepDraft["kind"], string> = {
   publish: "Publish",
   repeat: "Repeat",
   first_that_works: "Alternatives",
+  json: "JSON",
 };
 
 interface StepCardProps {
@@ -36,6 +38,8 @@ interface StepCardProps {
   later: readonly string[];
   /** Whether somebody has tried to start the mission: then also what is missing is said. */
   tried: boolean;
+  /** Whether it can be written as JSON, where any value may be a parameter. */
+  written: boolean;
   onChange: Edit;
   onMove: (by: -1 | 1) => void;
   onRemove: () => void;
@@ -49,6 +53,7 @@ export function StepCard({
   robot,
   later,
   tried,
+  written,
   onChange,
   onMove,
   onRemove,
@@ -114,8 +119,13 @@ export function StepCard({
       {isBlock(step.kind) && <BlockFields step={step} kind={step.kind} errors={errors} set={set} />}
       {step.kind === "notify" && <NotifyFields step={step} errors={errors} set={set} />}
       {step.kind === "wait" && <WaitFields step={step} errors={errors} set={set} />}
-      <Options step={step} later={later} errors={errors} set={set} />
-      {own.map(({ detail }) => (
+      {step.kind === "json" ? (
+        <WrittenFields step={step} errors={errors} set={set} />
+      ) : (
+        <Options step={step} later={later} errors={errors} set={set} />
+      )}
+      {(written || step.kind === "json") && <FormSwitch step={step} now={now} onChange={onChange} />}
+      {(step.kind === "json" ? [] : own).map(({ detail }) => (
         <Text key={detail} size="sm" c="var(--mantine-color-error)">
           {detail}
         </Text>

@@ -15,6 +15,8 @@ interface StepListProps {
   tried: boolean;
   /** What is wrong with the list itself. */
   error: string | undefined;
+  /** Whether steps can be written as JSON, where any value may be a parameter. */
+  written?: boolean;
   onSteps: (edit: (steps: readonly StepDraft[]) => readonly StepDraft[]) => void;
 }
 
@@ -25,7 +27,7 @@ interface Sought {
 }
 
 /** Steps to fill in, to move and to remove, with buttons that add more. */
-export function StepList({ steps, robot, tried, error, onSteps }: StepListProps) {
+export function StepList({ steps, robot, tried, error, written = false, onSteps }: StepListProps) {
   const { store } = useFleet();
   const [said, say] = useState("");
   const sought = useRef<Sought | null>(null);
@@ -81,6 +83,7 @@ export function StepList({ steps, robot, tried, error, onSteps }: StepListProps)
             robot={robot}
             later={namesOf(steps.slice(index + 1))}
             tried={tried}
+            written={written}
             onChange={(edit) =>
               onSteps((before) => before.map((each) => (each.key === step.key ? edit(each) : each)))
             }

@@ -19,6 +19,8 @@ import {
   type StepDraft,
 } from "./draft";
 
+import { parsed } from "./written";
+
 /** Something that is wrong with a field. */
 export interface Wrong extends FieldError {
   /** Nothing was entered yet: it is said only after somebody has tried to start the mission. */
@@ -50,6 +52,10 @@ export function batteryErrors({ below, chargeTo }: BatteryDraft): Wrong[] {
 
 /** What is wrong with a step, by paths from the step on. @param now In the gateway's time (ms). */
 export function stepErrors(step: StepDraft, now: number): Wrong[] {
+  if (step.kind === "json")
+    return isObject(step.content) || isParameter(step.content)
+      ? []
+      : [{ path: "", detail: 'A step as JSON, such as {"dock": {}}' }];
   const errors: Wrong[] = [...ownErrors(step, now)];
   if (step.timeout !== "" && !isWithin(step.timeout, MIN_TIMEOUT_S, MAX_TIMEOUT_S))
     errors.push({ path: "timeout_s", detail: "From 1 s to a week; empty for no limit" });
@@ -126,18 +132,15 @@ function blockErrors({ times, content }: StepDraft, kind: keyof typeof INSIDE): 
   return errors;
 }
 
+/** Whether a whole step is a parameter of a template. */
+function isParameter(text: string): boolean {
+  const value = parsed(text);
+  return typeof value === "string" && value.startsWith("$");
+}
+
 function isObject(text: string): boolean {
   const value = parsed(text);
   return typeof value === "object" && value !== null && !Array.isArray(value);
-}
-
-/** What a text says as JSON; undefined if it is none. */
-function parsed(text: string): unknown {
-  try {
-    return JSON.parse(text);
-  } catch {
-    return undefined;
-  }
 }
 
 function waitErrors({ wait, seconds, day, clock, charge }: StepDraft, now: number): Wrong[] {

@@ -10,16 +10,16 @@ import "../../../src/extensions/missions/openMissions";
 import type { StreamHandlers } from "@dock-gateway/client";
 import { withField } from "../../../src/actions/form/draft";
 import {
-  bodyOf,
-  draftOf,
   exampleMission,
   newMission,
   newStep,
   type StepKind,
   withMoved,
 } from "../../../src/extensions/missions/draft";
+import { draftOf } from "../../../src/extensions/missions/fromMission";
 import { groupQueuesOf, queuesOf, withMission } from "../../../src/extensions/missions/queue";
 import type { Mission, MissionStep } from "../../../src/extensions/missions/requests";
+import { bodyOf } from "../../../src/extensions/missions/toRequest";
 import {
   breakWords,
   depthOf,

@@ -1,4 +1,5 @@
 import { describe, expect, it } from "vitest";
+import { newStep } from "../../../src/extensions/missions/draft";
 import {
   bodyOf as placeBody,
   errorsOf as placeErrors,
@@ -15,6 +16,7 @@ import {
   whenWords,
   withEnabled,
 } from "../../../src/extensions/missions/schedules/schedules";
+import { usedIn } from "../../../src/extensions/missions/templates/parameters";
 import {
   argumentsOf,
   bodyOf,
@@ -22,14 +24,16 @@ import {
   EXAMPLE,
   errorsOf,
   escaped,
+  exampleDraft,
   missingIn,
   type NamedTemplate,
   parameterWords,
   placesIn,
   textOf,
   typedValue,
-  usedIn,
 } from "../../../src/extensions/missions/templates/templates";
+import { asFields, asJson, stepsFrom, stepsOf } from "../../../src/extensions/missions/written";
+import { stepErrors } from "../../../src/extensions/missions/wrong";
 
 const NOW = Date.parse("2026-11-30T03:00:00Z");
 const FETCH: NamedTemplate = {
@@ -90,21 +94,69 @@ describe("templates", () => {
 
   it("stores what was read, and only parameters that are used", () => {
     const { id, etag, changed_by, changed_at, ...fields } = FETCH;
-    expect(bodyOf(draftOf(FETCH), "Ada")).toEqual({ ...fields, by: "Ada" });
-    const draft = { ...draftOf(FETCH), steps: '[{"dock": {"dock_id": "$dock"}}]' };
+    expect(bodyOf(draftOf(FETCH, NOW), "Ada")).toEqual({ ...fields, by: "Ada" });
+    const draft = { ...draftOf(FETCH, NOW), steps: stepsFrom([{ dock: { dock_id: "$dock" } }], NOW) };
     expect(bodyOf(draft, null).parameters).toEqual({ dock: { description: null, default: null } });
     const limits = { below: 0.25, charge_to: 0.8 };
-    const charging = draftOf({ ...FETCH, battery: limits });
+    const charging = draftOf({ ...FETCH, battery: limits }, NOW);
     expect(charging.battery).toEqual({ below: 25, chargeTo: 80 });
     expect(bodyOf(charging, null).battery).toEqual(limits);
     const low = errorsOf({ ...charging, battery: { below: 25, chargeTo: 20 } });
     expect(low.battery?.map(({ path }) => path)).toEqual(["battery.charge_to"]);
-    expect(errorsOf({ ...draftOf(null), ...EXAMPLE })).toEqual({});
-    expect(Object.keys(errorsOf({ ...draftOf(null), steps: "{}", priority: 101 }))).toEqual([
+    expect(errorsOf({ ...draftOf(null, NOW), ...exampleDraft(EXAMPLE, NOW) })).toEqual({});
+    expect(Object.keys(errorsOf({ ...draftOf(null, NOW), steps: [], priority: 101 }))).toEqual([
       "name",
       "priority",
       "steps",
     ]);
+  });
+
+  it("are steps with fields where those show all that is written, else JSON", () => {
+    const kept: [string, unknown][] = [
+      ["dock", { dock: {} }],
+      ["dock", { dock: { dock_id: "$dock" }, tries: 3, name: "home" }],
+      ["undock", { undock: {} }],
+      ["navigate", { navigate: { place: "$shelf" }, interruptible: true }],
+      ["navigate", { navigate: { pose: { x: 1, y: 2, yaw: 1.57, frame: "hall" } } }],
+      ["wait", { wait: { battery: 0.8 }, timeout_s: 60, on_failure: { go_to: "home" } }],
+      ["wait", { wait: { person: true } }],
+      ["notify", { notify: { text: "$words", critical: true } }],
+      ["call", { call: { service: "/reset", request: { data: "$on" } } }],
+      ["publish", { publish: { topic: "/light", message: {}, type: "std_msgs/msg/Bool" } }],
+      ["action", { action: { name: "/fibonacci", goal: { order: 5, tries: 1, other: null } } }],
+      ["repeat", { repeat: { times: 3, steps: [{ wait: { seconds: "$s" } }] }, on_failure: "next" }],
+      ["repeat", { repeat: { steps: [{ dock: {} }] } }],
+      ["first_that_works", { first_that_works: [{ dock: {} }, { undock: {} }] }],
+      ["json", { wait: { battery: "$charge" } }],
+      ["json", { dock: {}, tries: "$tries" }],
+      ["json", { dock: {}, timeout_s: "$limit" }],
+      ["json", { action: { name: "/fibonacci", goal: { order: "$order" } } }],
+      ["json", { repeat: { times: "$n", steps: [] } }],
+      ["json", { dock: {}, undock: {} }],
+      ["json", { fly: {} }],
+      ["json", "$step"],
+    ];
+    for (const [kind, written] of kept) {
+      const drafts = stepsFrom([written], NOW);
+      expect([written, drafts.map((draft) => draft.kind)]).toEqual([written, [kind]]);
+      const again = stepsOf(drafts);
+      if (kind === "json") expect(again).toEqual([written]);
+      // What is left out is as it is by default.
+      expect(stepsFrom(again, NOW).map((draft) => draft.kind)).toEqual([kind]);
+    }
+    expect(stepsOf(stepsFrom([kept[1]?.[1]], NOW))).toEqual([kept[1]?.[1]]);
+  });
+
+  it("can be written as JSON, and have their fields again", () => {
+    const step = newStep("wait", NOW, { seconds: 5 });
+    const json = asJson(step);
+    expect(json).toMatchObject({ key: step.key, kind: "json" });
+    expect(json && asFields(json, NOW)).toMatchObject({ key: step.key, kind: "wait", seconds: 5 });
+    const wrong = newStep("json", NOW, { content: "[" });
+    expect(stepErrors(wrong, NOW)).toHaveLength(1);
+    expect(asFields({ ...wrong, content: '"$step"' }, NOW)).toBeNull();
+    expect(stepErrors({ ...wrong, content: '"$step"' }, NOW)).toEqual([]);
+    expect(stepsOf([wrong])).toEqual([]);
   });
 
   it("asks for arguments that have no default", () => {
@@ -144,7 +196,7 @@ describe("schedules", () => {
     expect(wrong({ name: " " })).toEqual(["name"]);
     expect(wrong({ template: "gone" })).toEqual(["template"]);
     expect(wrong({ typed: {} })).toEqual(["typed"]);
-    expect(wrong({ template: "", steps: "[]" })).toEqual(["steps"]);
+    expect(wrong({ template: "", steps: [] })).toEqual(["steps"]);
     expect(wrong({ times: ["24:00"], weekdays: [] })).toEqual(["times", "weekdays"]);
     expect(wrong({ when: "every", minutes: 0 })).toEqual(["minutes"]);
     expect(wrong({ when: "once", clock: "25" })).toEqual(["day"]);

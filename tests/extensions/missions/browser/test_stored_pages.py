@@ -63,9 +63,12 @@ def test_a_mission_is_saved_as_a_template_and_run(page: Page, gateway: RunningGa
     page.get_by_role("button", name="Add step: Wait").click()
     page.get_by_role("button", name="Save as template").click()
     page.get_by_label("Name", exact=True).fill("Rest")
-    steps = page.get_by_role("textbox", name="Steps")
-    steps.fill(steps.input_value().replace('"seconds": 60', '"seconds": "$seconds"'))
+    expect(page.get_by_role("textbox", name="Wait for")).to_have_value("60 s")
+    page.get_by_role("button", name="Write as JSON").click()
+    step = page.get_by_role("textbox", name="Step", exact=True)
+    step.fill(step.input_value().replace('"seconds": 60', '"seconds": "$seconds"'))
     page.get_by_role("textbox", name="What seconds is").fill("How long")
+    page.set_viewport_size({"width": 1440, "height": 1800})  # all of it is in sight
     expect_fits(page)
     page.get_by_role("button", name="Save").click()
     card = page.get_by_role("listitem", name="Rest")
@@ -88,6 +91,14 @@ def test_a_schedule_is_stored_and_switched_off(page: Page, gateway: RunningGatew
     page.get_by_role("button", name="New schedule").click()
     page.get_by_label("Name", exact=True).fill("Night")
     expect(page.get_by_label("Mission", exact=True)).to_have_value("rest")
+    page.get_by_label("Mission", exact=True).select_option("Steps, put together here")
+    names = [
+        step.get_attribute("aria-label")
+        for step in page.get_by_role("list", name="Steps").get_by_role("listitem").all()
+    ]
+    assert names == ["Step 1: Undock", "Step 2: Dock"]
+    expect(page.get_by_role("button", name="Move step 2 up")).to_be_visible()
+    page.get_by_label("Mission", exact=True).select_option("rest")
     page.get_by_text("Every …").click()
     expect(page.get_by_role("textbox", name="Every")).to_have_value("60 min")
     page.get_by_text("Times of day", exact=True).click()

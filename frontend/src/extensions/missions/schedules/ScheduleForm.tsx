@@ -5,15 +5,14 @@ import {
   NumberInput,
   SegmentedControl,
   SimpleGrid,
-  Textarea,
   TextInput,
 } from "@mantine/core";
 import { EntryForm } from "../../../entries/EntryForm";
 import { useFleet, useFleetPart } from "../../../fleet/context";
 import { defaultRobot } from "../../../fleet/names";
 import { TimesOfDayFields } from "../../../ui/TimesOfDayFields";
-import classes from "../missions.module.css";
 import { RobotField } from "../RobotField";
+import { StepList } from "../StepList";
 import { useStoredCommands } from "../stored";
 import { ArgumentFields } from "../templates/ArgumentFields";
 import { useTemplates } from "../templates/templates";
@@ -84,7 +83,7 @@ export function ScheduleForm({ schedule, schedules, onDone }: ScheduleFormProps)
 interface FieldsProps {
   draft: ScheduleDraft;
   errors: Partial<Record<keyof ScheduleDraft, string>>;
-  onChange: (part: Partial<ScheduleDraft>) => void;
+  onChange: (part: Partial<ScheduleDraft> | ((before: ScheduleDraft) => Partial<ScheduleDraft>)) => void;
 }
 
 /** A template with its parameters, or steps. */
@@ -103,7 +102,7 @@ function MissionFields({ draft, errors, onChange }: FieldsProps) {
           data={[
             ...templates.map(({ id, name }) => ({ value: id, label: name })),
             ...(gone ? [{ value: draft.template, label: draft.template }] : []),
-            { value: "", label: "Steps, written here" },
+            { value: "", label: "Steps, put together here" },
           ]}
         />
       )}
@@ -116,16 +115,12 @@ function MissionFields({ draft, errors, onChange }: FieldsProps) {
         />
       )}
       {draft.template === "" && (
-        <Textarea
-          label="Steps"
-          description="JSON, as a template or a mission has them."
-          rows={5}
-          resize="vertical"
-          spellCheck={false}
-          classNames={{ input: classes.code ?? "" }}
-          value={draft.steps}
+        <StepList
+          steps={draft.steps}
+          robot={draft.robot}
+          tried={errors.steps !== undefined}
           error={errors.steps}
-          onChange={(event) => onChange({ steps: event.currentTarget.value })}
+          onSteps={(edit) => onChange((before) => ({ steps: edit(before.steps) }))}
         />
       )}
     </>

@@ -60,6 +60,7 @@ export default function SchedulesPage() {
         opened={edited !== null}
         onClose={close}
         title={edited?.schedule ? `Edit ${edited.schedule.name}` : "New schedule"}
+        size="xl"
       >
         {edited !== null && !templates.isPending && (
           <ScheduleForm schedule={edited.schedule} schedules={query.data ?? []} onDone={close} />

@@ -1,7 +1,9 @@
 import { clockOf, dayOf, formatDuration, formatTime, timeAt } from "../../../ui/time";
 import { dayWords, type TimesOfDay, timesBody, timesErrors, timesOf, WEEKDAYS } from "../../../ui/timesOfDay";
+import type { StepDraft } from "../draft";
 import { named, type Stored, sorted, useStored } from "../stored";
-import { argumentsOf, missingIn, type NamedTemplate, parsed, textOf } from "../templates/templates";
+import { argumentsOf, missingIn, type NamedTemplate, stepsTrouble, textOf } from "../templates/templates";
+import { plain, stepsFrom, stepsOf } from "../written";
 import { deleteSchedule, listSchedules, putSchedule, type Schedule, type ScheduleBody } from "./requests";
 
 export type NamedSchedule = Schedule & { name: string };
@@ -63,8 +65,7 @@ export interface ScheduleDraft extends TimesOfDay {
   /** The id of a template; empty for steps. */
   template: string;
   typed: Record<string, string>;
-  /** JSON. */
-  steps: string;
+  steps: readonly StepDraft[];
   /** What else its missions have. */
   kept: Pick<Schedule["mission"], "name" | "priority" | "battery">;
   when: When;
@@ -84,7 +85,7 @@ export function draftOf(schedule: NamedSchedule | null, robot: string, now: numb
     robot: schedule?.robot ?? robot,
     template: mission?.template ?? "",
     typed: Object.fromEntries(given) as Record<string, string>,
-    steps: JSON.stringify(plain(mission?.steps ?? [{ undock: {} }, { dock: {} }]), null, 1),
+    steps: stepsFrom(plain(mission?.steps ?? [{ undock: {} }, { dock: {} }]) as unknown[], now),
     kept: {
       name: mission?.name ?? null,
       priority: mission?.priority ?? null,
@@ -99,17 +100,6 @@ export function draftOf(schedule: NamedSchedule | null, robot: string, now: numb
   };
 }
 
-/** Steps without the fields that say nothing. */
-function plain(value: unknown): unknown {
-  if (Array.isArray(value)) return value.map(plain);
-  if (typeof value !== "object" || value === null) return value;
-  const said = Object.entries(value).filter(
-    ([key, item]) =>
-      item !== null && !(key === "tries" && item === 1) && !(key === "on_failure" && item === "end"),
-  );
-  return Object.fromEntries(said.map(([key, item]) => [key, plain(item)]));
-}
-
 const A_WEEK = 10_080;
 
 /** What is wrong with each field. */
@@ -118,8 +108,8 @@ export function errorsOf(draft: ScheduleDraft, templates: readonly NamedTemplate
   if (draft.name.trim() === "") errors.name = "Type a name.";
   const template = templates.find(({ id }) => id === draft.template);
   if (draft.template === "") {
-    const steps = parsed(draft.steps);
-    if (!Array.isArray(steps) || steps.length === 0) errors.steps = 'A list of steps, such as [{"dock": {}}]';
+    const trouble = stepsTrouble(draft.steps);
+    if (trouble !== null) errors.steps = trouble;
   } else if (template === undefined) errors.template = "This template was removed.";
   else if (missingIn(template, draft.typed).length > 0) errors.typed = "A parameter needs a value.";
   if (draft.when === "once" && timeAt(draft.day, draft.clock) === null)
@@ -144,7 +134,7 @@ export function bodyOf(
   const template = templates.find(({ id }) => id === draft.template);
   const mission =
     template === undefined
-      ? { ...draft.kept, steps: parsed(draft.steps) }
+      ? { ...draft.kept, steps: stepsOf(draft.steps) }
       : { ...draft.kept, template: template.id, arguments: argumentsOf(template, draft.typed) };
   const when = {
     once: { once: { due_at: new Date(timeAt(draft.day, draft.clock) ?? 0).toISOString() } },

@@ -1,38 +1,41 @@
-import { NumberInput, SimpleGrid, Stack, Text, Textarea, TextInput } from "@mantine/core";
+import { NumberInput, SimpleGrid, Stack, Text, TextInput } from "@mantine/core";
 import { useState } from "react";
 import { useLocation } from "react-router";
 import { EntryCard } from "../../../entries/EntryCard";
 import { EntryForm } from "../../../entries/EntryForm";
-import { useWhyNot } from "../../../fleet/context";
+import { useFleet, useFleetPart, useWhyNot } from "../../../fleet/context";
+import { defaultRobot } from "../../../fleet/names";
 import { Dialog } from "../../../ui/Dialog";
 import { Empty } from "../../../ui/Empty";
 import { ENTRY_BUTTON, ReasonButton } from "../../../ui/ReasonButton";
 import { BatteryFields } from "../BatteryFields";
-import classes from "../missions.module.css";
+import { StepList } from "../StepList";
 import { StoredPage } from "../StoredPage";
 import { useStoredCommands } from "../stored";
+import { stepsOf } from "../written";
+import { usedIn } from "./parameters";
 import { RunTemplate } from "./RunTemplate";
 import {
   bodyOf,
   draftOf,
   EXAMPLE,
+  type Example,
   errorsOf,
+  exampleDraft,
   type NamedTemplate,
   parameterWords,
-  parsed,
   TEMPLATES,
   type TemplateDraft,
-  usedIn,
   useTemplates,
 } from "./templates";
 
 /** The template in the dialog; null for a new one, which may start from something. */
-type Edited = { template: NamedTemplate | null; example?: Partial<TemplateDraft> };
+type Edited = { template: NamedTemplate | null; example?: Example };
 
 /** Missions with parameters, to run and to change. A mission that is put together elsewhere comes as `location.state`. */
 export default function TemplatesPage() {
   const query = useTemplates();
-  const { state } = useLocation() as { state: Partial<TemplateDraft> | null };
+  const { state } = useLocation() as { state: Example | null };
   const reason = useWhyNot("PUT /mission-templates/{template_id}", query.data !== undefined);
   const mayRun = useWhyNot("POST /missions");
   const { remove } = useStoredCommands(TEMPLATES);
@@ -104,6 +107,7 @@ export default function TemplatesPage() {
         opened={edited !== null}
         onClose={() => setEdited(null)}
         title={edited?.template ? `Edit ${edited.template.name}` : "New template"}
+        size="xl"
       >
         {edited !== null && (
           <TemplateForm {...edited} templates={query.data ?? []} onDone={() => setEdited(null)} />
@@ -122,13 +126,15 @@ interface TemplateFormProps extends Edited {
 }
 
 function TemplateForm({ template, example, templates, onDone }: TemplateFormProps) {
+  const { store } = useFleet();
+  const robot = useFleetPart("robots", defaultRobot);
   const { save } = useStoredCommands(TEMPLATES);
   return (
     <EntryForm
       noun="template"
       entry={template}
-      draftOf={draftOf}
-      example={example}
+      draftOf={(entry: NamedTemplate | null) => draftOf(entry, store.gatewayNow())}
+      example={example && exampleDraft(example, store.gatewayNow())}
       entries={templates}
       placeholder="Fetch"
       maxName={60}
@@ -140,16 +146,17 @@ function TemplateForm({ template, example, templates, onDone }: TemplateFormProp
     >
       {(draft, errors, change) => (
         <>
-          <Textarea
-            label="Steps"
-            description='JSON. Write "$shelf" in place of a value, and it is a parameter.'
-            rows={9}
-            resize="vertical"
-            spellCheck={false}
-            classNames={{ input: classes.code ?? "" }}
-            value={draft.steps}
+          <Text size="sm" c="dimmed">
+            Write “$shelf” for a place or a text, and it is a parameter; other values can be one in a step
+            that is written as JSON.
+          </Text>
+          <StepList
+            steps={draft.steps}
+            robot={robot}
+            tried={errors.steps !== undefined}
             error={errors.steps}
-            onChange={(event) => change({ steps: event.currentTarget.value })}
+            written
+            onSteps={(edit) => change((before) => ({ steps: edit(before.steps) }))}
           />
           <Parameters draft={draft} onChange={(parameters) => change({ parameters })} />
           <BatteryFields
@@ -180,7 +187,7 @@ interface ParametersProps {
 
 /** What is known of each parameter that the steps use. */
 function Parameters({ draft: { steps, parameters }, onChange }: ParametersProps) {
-  const names = usedIn(parsed(steps));
+  const names = usedIn(stepsOf(steps));
   if (names.length === 0)
     return (
       <Text size="sm" c="dimmed">

@@ -1,8 +1,12 @@
 import type { Json } from "../../../api/jsonSchema";
-import { type BatteryDraft, batteryOf, limitsOf } from "../draft";
+import type { BatteryDraft, StepDraft } from "../draft";
+import { batteryOf } from "../fromMission";
 import { PRIORITY } from "../queue";
 import { named, type Stored, sorted, useStored } from "../stored";
-import { batteryErrors, type Wrong } from "../wrong";
+import { limitsOf } from "../toRequest";
+import { parsed, stepsFrom, stepsOf } from "../written";
+import { batteryErrors, stepErrors, type Wrong } from "../wrong";
+import { usedIn } from "./parameters";
 import { deleteTemplate, listTemplates, putTemplate, type Template, type TemplateBody } from "./requests";
 
 export type NamedTemplate = Template & { name: string };
@@ -17,15 +21,6 @@ export const TEMPLATES: Stored<NamedTemplate, TemplateBody> = {
 /** The templates that missions are made of, by name. */
 export function useTemplates() {
   return useStored(TEMPLATES);
-}
-
-/** What a text says as JSON; undefined if it is none. */
-export function parsed(text: string): Json | undefined {
-  try {
-    return JSON.parse(text) as Json;
-  } catch {
-    return undefined;
-  }
 }
 
 /** A value as it was typed: JSON, or text where it is none; undefined for nothing. */
@@ -50,18 +45,6 @@ export function escaped(value: unknown): unknown {
   return Object.fromEntries(Object.entries(value).map(([key, item]) => [key, escaped(item)]));
 }
 
-/** The parameters that steps use, in order. */
-export function usedIn(steps: unknown): string[] {
-  const found = new Set<string>();
-  const look = (value: unknown) => {
-    if (typeof value === "string") {
-      if (/^\$[A-Za-z_]\w*$/.test(value)) found.add(value.slice(1));
-    } else if (typeof value === "object" && value !== null) Object.values(value).forEach(look);
-  };
-  look(steps);
-  return [...found];
-}
-
 /** The parameters that are places wherever steps use them. */
 export function placesIn(steps: unknown): Set<string> {
   const places = new Set<string>();
@@ -82,32 +65,39 @@ export interface TemplateDraft {
   priority: number | string;
   /** Null: its missions do not return by themselves. */
   battery: BatteryDraft | null;
-  /** JSON. */
-  steps: string;
+  steps: readonly StepDraft[];
   /** Of all parameters that were there, by name. */
   parameters: Record<string, { description: string; initial: string }>;
 }
 
-export const EXAMPLE: Partial<TemplateDraft> = {
+/** What a new template starts from. */
+export interface Example extends Partial<Omit<TemplateDraft, "steps">> {
+  /** As a template writes them. */
+  steps: readonly unknown[];
+}
+
+export const EXAMPLE: Example = {
   name: "Fetch",
-  steps: JSON.stringify(
-    [
-      { navigate: { place: "$shelf" } },
-      { notify: { text: "Load me" } },
-      { wait: { person: true } },
-      { dock: {} },
-      { wait: { battery: "$charge" } },
-    ],
-    null,
-    1,
-  ),
+  steps: [
+    { navigate: { place: "$shelf" } },
+    { notify: { text: "Load me" } },
+    { wait: { person: true } },
+    { dock: {} },
+    { wait: { battery: "$charge" } },
+  ],
   parameters: {
     shelf: { description: "Where to load", initial: "" },
     charge: { description: "0 to 1", initial: "0.8" },
   },
 };
 
-export function draftOf(template: NamedTemplate | null): TemplateDraft {
+/** The fields of an example. @param now In the gateway's time (ms). */
+export function exampleDraft(example: Example, now: number): Partial<TemplateDraft> {
+  return { ...example, steps: stepsFrom(example.steps, now) };
+}
+
+/** @param now In the gateway's time (ms). */
+export function draftOf(template: NamedTemplate | null, now: number): TemplateDraft {
   const {
     name = "",
     priority = PRIORITY,
@@ -123,7 +113,7 @@ export function draftOf(template: NamedTemplate | null): TemplateDraft {
     name,
     priority,
     battery: batteryOf(battery),
-    steps: JSON.stringify(steps, null, 1),
+    steps: stepsFrom(steps, now),
     parameters: Object.fromEntries(typed) as TemplateDraft["parameters"],
   };
 }
@@ -136,13 +126,20 @@ export function errorsOf({ name, priority, battery, steps }: TemplateDraft) {
   if (name.trim() === "") errors.name = "Type a name.";
   if (typeof priority !== "number" || priority < 0 || priority > 100 || !Number.isInteger(priority))
     errors.priority = "A whole number from 0 to 100";
-  const list = parsed(steps);
-  if (!Array.isArray(list) || list.length === 0) errors.steps = 'A list of steps, such as [{"dock": {}}]';
+  const trouble = stepsTrouble(steps);
+  if (trouble !== null) errors.steps = trouble;
   return errors;
 }
 
+/** What is wrong with a list of steps; null for nothing. */
+export function stepsTrouble(steps: readonly StepDraft[]): string | null {
+  if (steps.length === 0) return "Add a step.";
+  // A time to wait for may be in the past here: it is judged when a mission is made.
+  return steps.some((step) => stepErrors(step, 0).length > 0) ? "Fix what is marked in the steps." : null;
+}
+
 export function bodyOf(draft: TemplateDraft, by: string | null): TemplateBody {
-  const steps = parsed(draft.steps) as unknown[];
+  const steps = stepsOf(draft.steps);
   const parameters = usedIn(steps).map((name) => {
     const { description = "", initial = "" } = draft.parameters[name] ?? {};
     return [name, { description: description.trim() || null, default: typedValue(initial) ?? null }];
