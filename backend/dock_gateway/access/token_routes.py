@@ -22,7 +22,7 @@ from dock_gateway.http.route import ApiRoute
 
 router = APIRouter(route_class=ApiRoute, tags=["Access"], prefix="/tokens")
 
-TokenId = Annotated[str, Path(json_schema_extra={"pattern": f"^[0-9a-f]{{{ID_DIGITS}}}$"})]
+TokenId = Annotated[str, Path(pattern=f"^[0-9a-f]{{{ID_DIGITS}}}$")]
 
 
 @router.get("", name="list_tokens")
