@@ -4,10 +4,10 @@ import asyncio
 import logging
 import uuid
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from datetime import datetime
 
-from dock_gateway.core.battery import BatteryReading, PowerSupply
-from dock_gateway.core.errors import DockOccupied, GatewayError, NotFound, TooManyRequests, Unavailable, is_by_stop
+from dock_gateway.core.errors import DockOccupied, GatewayError, TooManyRequests, Unavailable, is_by_stop
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.share import Share
@@ -16,14 +16,14 @@ from dock_gateway.extensions.missions import progress
 from dock_gateway.extensions.missions.actions import action_of, read_goal
 from dock_gateway.extensions.missions.battery import LEAST_CHARGE, BatteryLimits
 from dock_gateway.extensions.missions.book import MissionBook
+from dock_gateway.extensions.missions.facts import FactsReader, key_of_try
 from dock_gateway.extensions.missions.last_stops import LastStops
 from dock_gateway.extensions.missions.messages import Messages
-from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, Reason, StepStatus
+from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, Reason
 from dock_gateway.extensions.missions.moves import Cancel, Change, Facts, Send, Sent, Wait, WaitsFor
 from dock_gateway.extensions.missions.places.places import Places
 from dock_gateway.extensions.missions.progress import begins_message, next_move
 from dock_gateway.extensions.missions.turns import NO_ROBOTS, RobotFacts, find_turns
-from dock_gateway.fleet.robot_state import CHARGES
 from dock_gateway.goals.docks import Docks
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
@@ -82,19 +82,24 @@ class MissionRunner:
         clock: Callable[[], datetime] = utc_now,
     ) -> None:
         self.book = book
-        self._robots = robots
         self._actions = actions
         self._robot_actions = robot_actions
         self._docks = docks
-        self._goals = goals
-        self._history = history
         self._messages = messages
-        self._places = places
         self._interlock = interlock
         self._share = share
         self._candidates = candidates
         self._last_stops = last_stops
-        self._docked = docked
+        self._reader = FactsReader(
+            robots=robots,
+            actions=actions,
+            goals=goals,
+            history=history,
+            places=places,
+            interlock=interlock,
+            last_stops=last_stops,
+            docked=docked,
+        )
         self._clock = clock
         self._name = uuid.uuid4().hex if history.shared else None  # as the one that sends goals
         self._given_up: set[str] = set()  # lost goals that are canceled should they return
@@ -224,9 +229,9 @@ class MissionRunner:
         match move:
             case Change(after):
                 changed = await self._change(robot, mission_id, mission, after)
-                self._sent.pop(_key(mission_id, mission), None)
+                self._sent.pop(key_of_try(mission_id, mission), None)
                 if changed and begins_message(mission, after):
-                    self._sent[_key(mission_id, after)] = Sent()
+                    self._sent[key_of_try(mission_id, after)] = Sent()
                 if facts.goal is not None:
                     self._given_up.discard(facts.goal.goal_id)
                 return None
@@ -254,43 +259,13 @@ class MissionRunner:
         return changed
 
     async def _facts(self, mission_id: str, mission: MissionEntry) -> Facts:
-        step, robot = mission.current, mission.its_robot
-        goal = await self._goal(mission_id, mission) if step.has_goal else None
-        battery = self._battery(robot)
-        others = (each for each in self._actions.running() if each.goal_id != step.goal_id)
-        return Facts(
-            stopped=self._last_stops.holds(robot, mission) or self._interlock.holds(robot),
-            other_goal=any(self._is_of(robot, each.action_name) for each in others),
-            battery=battery.percentage,
-            charging=battery.power_supply in CHARGES,
-            full=battery.power_supply == PowerSupply.FULL,
-            discharging=battery.power_supply == PowerSupply.DISCHARGING,
-            docked=self._docked(robot) if mission.parked else None,
-            place=await self._places.pose_of(step) if step.status is StepStatus.WAITING else None,
-            goal=goal,
-            given_up=goal is not None and goal.goal_id in self._given_up,
-            sent=self._sent.get(_key(mission_id, mission)),
+        facts = await self._reader.read(mission_id, mission)
+        return replace(
+            facts,
+            given_up=facts.goal is not None and facts.goal.goal_id in self._given_up,
+            sent=self._sent.get(key_of_try(mission_id, mission)),
             gateway=self._name,
         )
-
-    def _battery(self, robot: str) -> BatteryReading:
-        """Return what the battery of a robot says; nothing if that is not recent."""
-        latest = self._robots.get(robot).battery if robot in self._robots else None
-        return BatteryReading() if latest is None or latest.age is None or latest.stale_since else latest.reading
-
-    def _is_of(self, robot: str, action_name: str) -> bool:
-        owner = self._robots.owner(action_name)
-        return owner is not None and owner.namespace == robot
-
-    async def _goal(self, mission_id: str, mission: MissionEntry) -> Goal | None:
-        """Return the goal of the present step, which may have been sent before a restart; None if there is none."""
-        goal_id = mission.current.goal_id
-        if goal_id is None:
-            return await self._history.by_key(_key(mission_id, mission))
-        try:
-            return await self._goals.get(goal_id)
-        except NotFound:
-            return None
 
     async def _send(self, mission_id: str, mission: MissionEntry) -> Wait | None:
         """Send the goal of the present step, or find it again; return what the mission waits for.
@@ -312,7 +287,7 @@ class MissionRunner:
             if stored is None or stored.revision != mission.revision or held:
                 return None  # such as one that another gateway holds for a stop
             # No wait from here to the submission, which notices every stop that comes later.
-            goal = await action.submitter.submit(message, _key(mission_id, mission), sender=None)
+            goal = await action.submitter.submit(message, key_of_try(mission_id, mission), sender=None)
         except (Unavailable, TooManyRequests, DockOccupied) as error:
             if error.code == "history_unavailable":
                 raise
@@ -333,7 +308,7 @@ class MissionRunner:
 
     async def _send_message(self, mission_id: str, mission: MissionEntry) -> None:
         """Call the service of the present step, or publish its message, and note how that ends."""
-        key = _key(mission_id, mission)
+        key = key_of_try(mission_id, mission)
         try:
             self._interlock.require_released(mission.its_robot, "missions")
             await self._messages.send(mission.current)
@@ -357,8 +332,3 @@ class MissionRunner:
         if action is None or goal.status is GoalStatus.LOST:
             self._given_up.add(goal.goal_id)
         return Wait(WaitsFor.GOAL)
-
-
-def _key(mission_id: str, mission: MissionEntry) -> str:
-    """Return the idempotency key of the goal of a mission's present step and try."""
-    return f"mission-{mission_id}-{mission.position}-{mission.current.attempt}"
