@@ -60,7 +60,7 @@ test-versions: setup $(STAMPS)/test-interfaces ## the lowest, or VERSIONS=newest
 mutation: setup ## change the safety-critical modules in small ways: do their unit tests notice? (AREAS='latch stop')
 	@$(BIN)/python scripts/mutation.py $(AREAS)
 
-chaos: setup $(STAMPS)/test-interfaces ## kill, flood and starve the gateway for an hour; writes the figures to docs/reliability.md
+chaos: setup $(STAMPS)/test-interfaces ## kill, flood and starve the gateway for hours; writes the figures to docs/reliability.md
 	@scripts/chaos $(PYTEST_ARGS)
 
 bench: setup $(BENCH)/installed ## measure (BENCH_ARGS='--short --cases ab'); see docs/performance.md

@@ -119,7 +119,7 @@ def main(rounds: int, robots: int, kind: str, seconds: float, spread: float) -> 
                 time.sleep(0.5)
             for _ in range(rounds):
                 figures = cancel_after(gateway, robot, kind, seconds + random.uniform(0, spread))
-                print(json.dumps(figures), flush=True)
+                print(f"{json.dumps(figures)}\n", end="", flush=True)  # in one piece: robots print at once
 
         attacks = [
             threading.Thread(target=attack, args=(link, (rounds + robots - 1 - link.number) // robots))

