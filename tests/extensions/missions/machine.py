@@ -106,9 +106,9 @@ class MissionMachine(RuleBasedStateMachine):
             goal = self.server.goals.get(key) if step.goal_id is None else self.server.find(step.goal_id)
         given_up = goal is not None and goal.goal_id in self.given_up
         sent = self.begun[gateway].get((mission.position, step.attempt)) if step.has_message else None
-        stopped = self.stopped or self.told[gateway]
         return Facts(
-            stopped=stopped,
+            stopped=self.told[gateway],
+            latched=self.stopped,
             battery=self.battery,
             charging=self.docked,
             discharging=not self.docked,

@@ -148,7 +148,8 @@ def test_a_stop_holds_a_mission_wherever_it_is() -> None:
     for mission in (begun(DOCK), changed(begun({"wait": {"seconds": 9}})), sent(DOCK)):
         held = changed(mission, Facts(stopped=True, goal=goal(GoalStatus.EXECUTING)), 1)
         assert (held.status, held.held_for) == (MissionStatus.HELD, HoldReason.STOP)
-        assert next_move(held, Facts(stopped=True), after(2)) == Wait(WaitsFor.STOP_RELEASED)
+        assert next_move(held, Facts(stopped=True, latched=True), after(2)) == Wait(WaitsFor.STOP_RELEASED)
+        assert next_move(held, Facts(stopped=True), after(3)) == Wait(WaitsFor.CONTINUE)
 
 
 def test_a_goal_that_ends_while_its_mission_is_held() -> None:

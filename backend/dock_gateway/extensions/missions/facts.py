@@ -63,7 +63,8 @@ class FactsReader:
         battery = self._battery(robot)
         others = (each for each in self._actions.running() if each.goal_id != step.goal_id)
         return Facts(
-            stopped=self._last_stops.holds(robot, mission) or self._interlock.holds(robot),
+            stopped=self._last_stops.holds(robot, mission),
+            latched=self._interlock.holds(robot),
             other_goal=any(self._is_of(robot, each.action_name) for each in others),
             battery=battery.percentage,
             charging=battery.power_supply in CHARGES,

@@ -49,7 +49,8 @@ class Facts:
     """What is known of the robot of a mission.
 
     Attributes:
-        stopped: Whether a stop holds for it, or has come since the last look.
+        stopped: Whether a stop of its robot has come since somebody let it begin or go on.
+        latched: Whether a stop of its robot stays.
         other_goal: Whether a goal runs on it that is not this mission's.
         battery: Its charge, 0 to 1; None if that is unknown.
         place: Where the place is that the present step drives to; None if it names none, or there is none.
@@ -64,6 +65,7 @@ class Facts:
     """
 
     stopped: bool = False
+    latched: bool = False
     other_goal: bool = False
     battery: float | None = None
     place: Waypoint | None = None

@@ -45,7 +45,7 @@ def next_move(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
         return _cancel(mission, facts, now)
     if mission.status is MissionStatus.HELD:
         return _hold(mission, facts, now)
-    if facts.stopped:
+    if facts.stopped or facts.latched:
         return Change(stop(mission))
     if recharge.has_recovered(mission, facts):
         return Change(mission.but(recharge_skipped=False))
@@ -207,7 +207,7 @@ def _hold(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
         if facts.sent.error is None:
             return Change(_held_on(mission, now))
         return Change(_again(mission, facts.sent.error, now))
-    return Wait(WaitsFor.STOP_RELEASED if facts.stopped else WaitsFor.CONTINUE)
+    return Wait(WaitsFor.STOP_RELEASED if facts.latched else WaitsFor.CONTINUE)
 
 
 def _held_on(mission: MissionEntry, now: datetime) -> MissionEntry:
