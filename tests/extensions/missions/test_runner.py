@@ -18,6 +18,7 @@ from dock_gateway.core.grant import UNLIMITED
 from dock_gateway.core.share import EVERYTHING
 from dock_gateway.extensions.missions import progress
 from dock_gateway.extensions.missions.book import MissionBook
+from dock_gateway.extensions.missions.facts import FactsReader
 from dock_gateway.extensions.missions.last_stops import LastStop, LastStops
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, StepEntry
 from dock_gateway.extensions.missions.notices import Notices
@@ -160,22 +161,30 @@ class Site:
             read_docking_request=server.read_docking_request,
         )
         self.last_stops.append(LastStops(self.stops))
-        runner = MissionRunner(
-            book,
+        actions: Any = SimpleNamespace(get=lambda _: action if server.there else None, running=server.running)
+        interlock: Any = SimpleNamespace(holds=lambda _: self.held, require_released=self.require_released)
+        facts = FactsReader(
             robots=cast("Any", self.robots),
-            actions=cast(
-                "Any", SimpleNamespace(get=lambda _: action if server.there else None, running=server.running)
-            ),
-            robot_actions=cast("Any", SimpleNamespace(docking_name=lambda *_: "/dock")),
-            docks=cast("Any", server),
+            actions=actions,
             goals=cast("Any", server),
             history=cast("Any", server),
-            messages=cast("Any", server),
             places=self.places,
-            interlock=cast("Any", SimpleNamespace(holds=lambda _: self.held, require_released=self.require_released)),
+            interlock=interlock,
+            last_stops=self.last_stops[-1],
+            docked=lambda _: None,
+        )
+        runner = MissionRunner(
+            book,
+            actions=actions,
+            robot_actions=cast("Any", SimpleNamespace(docking_name=lambda *_: "/dock")),
+            docks=cast("Any", server),
+            messages=cast("Any", server),
+            interlock=interlock,
             share=EVERYTHING,
             candidates=lambda: self.free,
             last_stops=self.last_stops[-1],
+            facts=facts,
+            shared=server.shared,
             clock=now,
         )
         server.listeners.append(runner.on_goal)

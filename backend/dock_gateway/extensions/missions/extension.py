@@ -11,6 +11,7 @@ from dock_gateway.extensions.missions.actions import covers
 from dock_gateway.extensions.missions.book import MissionBook
 from dock_gateway.extensions.missions.candidates import Candidates
 from dock_gateway.extensions.missions.error_codes import CODES
+from dock_gateway.extensions.missions.facts import FactsReader
 from dock_gateway.extensions.missions.last_stops import LastStop, LastStops
 from dock_gateway.extensions.missions.messages import Messages
 from dock_gateway.extensions.missions.mission import MissionEntry
@@ -64,26 +65,7 @@ async def open_missions(parts: Parts) -> AsyncIterator[Missions]:
             lambda mission, grant: covers(mission, grant, robot_actions, labels.in_group),
         )
         last_stops = LastStops(history.documents("mission_stop", LastStop))
-        candidates = Candidates(parts[Fleet], labels, parts[Settings].low_battery, last_stops.at)
-        runner = closed_by(
-            stack,
-            MissionRunner(
-                book,
-                robots=robots,
-                actions=actions,
-                robot_actions=robot_actions,
-                docks=parts[Docks],
-                goals=parts[Goals],
-                history=history,
-                messages=messages,
-                places=places,
-                interlock=interlock,
-                share=parts[Share],
-                candidates=candidates.read,
-                last_stops=last_stops,
-                docked=lambda robot: next((each.docked for each in parts[Fleet].states() if each.name == robot), None),
-            ),
-        )
+        runner = closed_by(stack, _make_runner(parts, book, messages, places, last_stops))
         _listen(parts, runner, stack)
         runner.start()
         missions = Missions(
@@ -102,6 +84,35 @@ async def open_missions(parts: Parts) -> AsyncIterator[Missions]:
         )
         _open_schedules(parts, missions, last_stops, stack)
         yield missions
+
+
+def _make_runner(
+    parts: Parts, book: MissionBook, messages: Messages, places: Places, last_stops: LastStops
+) -> MissionRunner:
+    actions, history, interlock, fleet = parts[ActionRegistry], parts[History], parts[Interlock], parts[Fleet]
+    facts = FactsReader(
+        robots=parts[RobotRegistry],
+        actions=actions,
+        goals=parts[Goals],
+        history=history,
+        places=places,
+        interlock=interlock,
+        last_stops=last_stops,
+        docked=lambda robot: next((each.docked for each in fleet.states() if each.name == robot), None),
+    )
+    return MissionRunner(
+        book,
+        actions=actions,
+        robot_actions=parts[RobotActions],
+        docks=parts[Docks],
+        messages=messages,
+        interlock=interlock,
+        share=parts[Share],
+        candidates=Candidates(fleet, parts[RobotLabels], parts[Settings].low_battery, last_stops.at).read,
+        last_stops=last_stops,
+        facts=facts,
+        shared=history.shared,
+    )
 
 
 def _listen(parts: Parts, runner: MissionRunner, stack: AsyncExitStack) -> None:

@@ -21,16 +21,12 @@ from dock_gateway.extensions.missions.last_stops import LastStops
 from dock_gateway.extensions.missions.messages import Messages
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, Reason
 from dock_gateway.extensions.missions.moves import Cancel, Change, Facts, Send, Sent, Wait, WaitsFor
-from dock_gateway.extensions.missions.places.places import Places
 from dock_gateway.extensions.missions.progress import begins_message, next_move
 from dock_gateway.extensions.missions.turns import NO_ROBOTS, RobotFacts, find_turns
 from dock_gateway.goals.docks import Docks
-from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.latch.interlock import Interlock
-from dock_gateway.robots.registry import RobotRegistry
-from dock_gateway.storage import History
 from dock_gateway.storage.shared_entries import SYNC_INTERVAL
 
 log = logging.getLogger(__name__)
@@ -46,19 +42,16 @@ class MissionRunner:
 
     Args:
         book: The missions.
-        robots: The robots, with their batteries.
         actions: All actions.
         robot_actions: Which of them dock and undock each robot.
         docks: The docks that the robots' docking servers know.
-        goals: Their goals.
-        history: Finds goals that were sent before a restart.
         messages: Calls services, and publishes messages.
-        places: The places that steps drive to.
         interlock: The latched stops.
         share: The robots that this gateway serves.
         candidates: Returns the robots that may take missions of their groups.
         last_stops: When robots were last stopped.
-        docked: Returns whether a robot is docked; None if that is unknown.
+        facts: Reads what is known of a mission.
+        shared: Whether other gateways may follow the same missions.
         clock: Returns the time.
     """
 
@@ -66,19 +59,16 @@ class MissionRunner:
         self,
         book: MissionBook,
         *,
-        robots: RobotRegistry,
         actions: ActionRegistry,
         robot_actions: RobotActions,
         docks: Docks,
-        goals: Goals,
-        history: History,
         messages: Messages,
-        places: Places,
         interlock: Interlock,
         share: Share,
         candidates: Callable[[], Mapping[str, RobotFacts]],
         last_stops: LastStops,
-        docked: Callable[[str], bool | None] = lambda _: None,
+        facts: FactsReader,
+        shared: bool,
         clock: Callable[[], datetime] = utc_now,
     ) -> None:
         self.book = book
@@ -90,18 +80,9 @@ class MissionRunner:
         self._share = share
         self._candidates = candidates
         self._last_stops = last_stops
-        self._reader = FactsReader(
-            robots=robots,
-            actions=actions,
-            goals=goals,
-            history=history,
-            places=places,
-            interlock=interlock,
-            last_stops=last_stops,
-            docked=docked,
-        )
+        self._reader = facts
         self._clock = clock
-        self._name = uuid.uuid4().hex if history.shared else None  # as the one that sends goals
+        self._name = uuid.uuid4().hex if shared else None  # as the one that sends goals
         self._given_up: set[str] = set()  # lost goals that are canceled should they return
         self._sent: dict[str, Sent] = {}  # calls and messages whose tries this gateway has begun, by their keys
         self._busy: set[str] = set()  # robots
