@@ -11,6 +11,10 @@ from dock_gateway.http.parts import Parts
 from dock_gateway.http.schema import Schema
 
 
+class Nothing(Schema):
+    """The arguments of a tool that takes none."""
+
+
 async def _unchanged(_: Parts, __: Principal, fields: Fields) -> Fields:
     return fields
 

@@ -73,6 +73,14 @@ def print_json(document: object) -> None:
     click.echo(encode(document))
 
 
+def print_answer(document: object, line: str) -> None:
+    """Print a document as JSON where that is wanted, else a line that says the same to people."""
+    if wanted("as_json"):
+        print_json(document)
+    else:
+        click.echo(printable(line))
+
+
 def print_table(columns: tuple[str, ...], rows: Sequence[tuple[str, ...]], none: str) -> None:
     """Print lines with columns of one width.
 

@@ -85,7 +85,7 @@ export interface JsonObject {
   readonly [name: string]: Json;
 }
 
-export function isObject(json: Json | undefined): json is JsonObject {
+export function isObject(json: unknown): json is JsonObject {
   return typeof json === "object" && json !== null && !Array.isArray(json);
 }
 

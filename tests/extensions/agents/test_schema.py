@@ -2,8 +2,8 @@
 
 import pytest
 
+from dock_gateway.access.tool import Nothing
 from dock_gateway.core.errors import InvalidField
-from dock_gateway.extensions.agents.schema import Nothing
 from dock_gateway.http.bodies import read_model
 
 

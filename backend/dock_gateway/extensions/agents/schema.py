@@ -30,10 +30,6 @@ Key = Annotated[
 ]
 
 
-class Nothing(Schema):
-    """No arguments."""
-
-
 class OfRobot(Schema):
     """A robot, or all."""
 

@@ -3,7 +3,7 @@
 import orjson
 
 from dock_gateway.access.carry_out import Fields
-from dock_gateway.access.tool import Tool
+from dock_gateway.access.tool import Nothing, Tool
 from dock_gateway.core.access import Principal
 from dock_gateway.core.grant import Role
 from dock_gateway.extensions.agents import schema
@@ -62,7 +62,7 @@ TOOLS = {
             "List the robots with battery charge (0 to 1), whether they are docked, charging, simulated or stopped, "
             "and their running goals. Call this first. A value that is not known is null.",
             list_robots,
-            schema.Nothing,
+            Nothing,
             schema.RobotList,
             reads=True,
         ),
@@ -166,7 +166,7 @@ TOOLS = {
             "List alerts",
             "List what an operator has to know now, such as a low battery, with advice.",
             list_alerts,
-            schema.Nothing,
+            Nothing,
             schema.AlertList,
             reads=True,
         ),

@@ -5,9 +5,8 @@ from urllib.parse import quote
 
 import click
 
-from dock_gateway.cli.asking import asks, gateway, print_json, print_table, wanted
+from dock_gateway.cli.asking import asks, gateway, print_answer, print_json, print_table, wanted
 from dock_gateway.cli.groups import CommandGroup
-from dock_gateway.core.log_config import printable
 
 
 @click.group(name="shared-dock", cls=CommandGroup)
@@ -79,10 +78,7 @@ def _show(method: str, dock_id: str, rest: str, body: dict[str, Any]) -> None:
     """Send a request about a dock, and print the dock."""
     with gateway() as client:
         found = client.request(method, _path(dock_id) + rest, body)
-    if wanted("as_json"):
-        print_json(found)
-    else:
-        click.echo(printable(f"{found['dock_id']} {found['state']}: {found['detail']}"))
+    print_answer(found, f"{found['dock_id']} {found['state']}: {found['detail']}")
 
 
 COMMANDS = (shared_dock,)

@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from dock_gateway.cli.asking import asks, gateway, print_json, print_table, robot_option, wanted
+from dock_gateway.cli.asking import asks, gateway, print_answer, print_json, print_table, robot_option, wanted
 from dock_gateway.cli.groups import CommandGroup
 from dock_gateway.client import Client
 from dock_gateway.core.log_config import printable
@@ -176,10 +176,7 @@ def move(mission_id: str, before: str | None, after: str | None) -> None:
     place = {"after": after} if before is None else {"before": before}
     with gateway() as client:
         found = client.request("POST", f"/missions/{mission_id}/move", place)
-    if wanted("as_json"):
-        print_json(found)
-    else:
-        click.echo(printable(_line(found)))
+    print_answer(found, _line(found))
 
 
 @mission.command()
@@ -231,10 +228,7 @@ def _change(verb: str, help_text: str) -> click.Command:
     def change(mission_id: str) -> None:
         with gateway() as client:
             found = client.request("POST", f"/missions/{mission_id}/{verb}")
-        if wanted("as_json"):
-            print_json(found)
-        else:
-            click.echo(printable(_line(found)))
+        print_answer(found, _line(found))
 
     return change
 

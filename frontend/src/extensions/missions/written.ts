@@ -1,4 +1,4 @@
-import type { Json } from "../../api/jsonSchema";
+import { isObject, type Json, type JsonObject } from "../../api/jsonSchema";
 import { newStep, type StepDraft } from "./draft";
 import { stepOf } from "./fromMission";
 import type { MissionStep } from "./requests";
@@ -51,19 +51,13 @@ export function asFields(step: StepDraft, now: number): StepDraft | null {
   return draft.kind === "json" ? null : { ...draft, key: step.key };
 }
 
-type Fields = Record<string, unknown>;
-
-function isObject(value: unknown): value is Fields {
-  return typeof value === "object" && value !== null && !Array.isArray(value);
-}
-
 /** What a step has that says nothing of it. */
 const NOTHING = {
   ...{ dock: null, undock: null, navigate: null, action: null, call: null, publish: null, notify: null },
   ...{ wait: null, repeat: null, first_that_works: null, name: null, timeout_s: null },
   ...{ tries: 1, on_failure: "end", interruptible: false },
 };
-const DEFAULTS: Record<string, Fields> = {
+const DEFAULTS: Record<string, JsonObject> = {
   navigate: { place: null, pose: null, poses: null },
   wait: { seconds: null, until: null, battery: null, person: false },
   call: { type: null, request: {} },
@@ -72,7 +66,7 @@ const DEFAULTS: Record<string, Fields> = {
 };
 
 /** Null where a step is none that fields can show. */
-function read(written: Fields, now: number): StepDraft | null {
+function read(written: JsonObject, now: number): StepDraft | null {
   const { repeat, first_that_works, action } = written;
   if (isObject(action) && usedIn(action.goal).length > 0) return null;
   const fields = Object.entries({ ...NOTHING, ...written }).map(([name, value]) => [

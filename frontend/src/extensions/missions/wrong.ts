@@ -1,6 +1,7 @@
 import { type Draft as GoalDraft, newDraft, outgoing } from "../../actions/form/draft";
 import type { MessageShape } from "../../actions/form/shapes";
 import type { FieldError } from "../../actions/form/write";
+import { isObject } from "../../api/jsonSchema";
 import { timeAt } from "../../ui/time";
 import {
   type BatteryDraft,
@@ -18,7 +19,6 @@ import {
   MIN_TRIES,
   type StepDraft,
 } from "./draft";
-
 import { parsed } from "./written";
 
 /** Something that is wrong with a field. */
@@ -53,7 +53,7 @@ export function batteryErrors({ below, chargeTo }: BatteryDraft): Wrong[] {
 /** What is wrong with a step, by paths from the step on. @param now In the gateway's time (ms). */
 export function stepErrors(step: StepDraft, now: number): Wrong[] {
   if (step.kind === "json")
-    return isObject(step.content) || isParameter(step.content)
+    return isObject(parsed(step.content)) || isParameter(step.content)
       ? []
       : [{ path: "", detail: 'A step as JSON, such as {"dock": {}}' }];
   const errors: Wrong[] = [...ownErrors(step, now)];
@@ -115,7 +115,7 @@ function messageErrors({ target, content }: StepDraft, kind: keyof typeof MESSAG
   const errors: Wrong[] = [];
   if (target.trim() === "") errors.push({ path: name, detail: "Enter a name.", missing: true });
   else if (!target.trim().startsWith("/")) errors.push({ path: name, detail: "A name that begins with /" });
-  if (!isObject(content)) errors.push({ path, detail: 'JSON, such as {"data": true}' });
+  if (!isObject(parsed(content))) errors.push({ path, detail: 'JSON, such as {"data": true}' });
   return errors;
 }
 
@@ -136,11 +136,6 @@ function blockErrors({ times, content }: StepDraft, kind: keyof typeof INSIDE): 
 function isParameter(text: string): boolean {
   const value = parsed(text);
   return typeof value === "string" && value.startsWith("$");
-}
-
-function isObject(text: string): boolean {
-  const value = parsed(text);
-  return typeof value === "object" && value !== null && !Array.isArray(value);
 }
 
 function waitErrors({ wait, seconds, day, clock, charge }: StepDraft, now: number): Wrong[] {
