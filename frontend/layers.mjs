@@ -1,7 +1,8 @@
 // Part of `npm run lint`: a folder of src imports only from itself and from folders that are listed before it. So no two
 // folders import each other, and nothing that others build on knows what is built on it. An extension may import all of
 // them, and nothing imports an extension but the list in extensions.ts; its tests go with it. The client is a package of its
-// own: it imports only itself and its dependencies.
+// own: it imports only itself and its dependencies. And tests mock modules in tests/setup.ts alone: elsewhere, what another
+// file has loaded before would go on with the module that it knows.
 import { readdirSync, readFileSync } from "node:fs";
 import { dirname, join, relative, sep } from "node:path";
 import ts from "typescript";
@@ -61,6 +62,13 @@ for (const { file, imported } of importsIn("tests")) {
   if (extension !== null && extension !== extensionOf(file))
     problems.push(`tests/${file} imports ${imported}: only tests/${extension} may, and goes with it.`);
 }
+for (const file of readdirSync("tests", { recursive: true }))
+  if (
+    /\.tsx?$/.test(file) &&
+    file !== "setup.ts" &&
+    /\bvi\.(do)?mock\(/i.test(readFileSync(join("tests", file), "utf8"))
+  )
+    problems.push(`tests/${file} mocks a module: do it in tests/setup.ts.`);
 
 const { dependencies } = JSON.parse(readFileSync("client/package.json", "utf8"));
 for (const file of readdirSync("client/src", { recursive: true })) {

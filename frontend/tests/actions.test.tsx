@@ -2,15 +2,10 @@ import { EditorView } from "@codemirror/view";
 import type { ActionInfo, LiveGoal } from "@dock-gateway/client";
 import { act, screen, waitFor, within } from "@testing-library/react";
 import { beforeEach, describe, expect, it, vi } from "vitest";
-import { openStream } from "../src/stream/stream";
 import { at, feedback, fibonacciAction, goal, latched, result, status } from "./events";
 import schemas from "./form/schemas.json";
 import { descriptionOf, fakeGateway, pressEscape, renderPage } from "./page";
-
-vi.mock("../src/stream/stream", async (actual) => ({
-  ...(await actual<typeof import("../src/stream/stream")>()),
-  openStream: vi.fn(() => () => {}),
-}));
+import { streams } from "./streams";
 
 const TYPES = "action_tutorials_interfaces/action";
 const fibonacci = fibonacciAction("/robot1/fibonacci");
@@ -139,7 +134,7 @@ describe("a goal of any action", () => {
     expect(screen.getByRole("link", { name: "goal sent1234" }).getAttribute("href")).toBe(
       "/ui/goals/sent1234",
     );
-    await waitFor(() => expect(openStream).toHaveBeenCalled());
+    await waitFor(() => expect(streams.map(({ url }) => url)).toEqual([expect.stringContaining("sent1234")]));
   });
 
   it("is asked about where a robot may move, once, and never again where somebody wishes so", async () => {

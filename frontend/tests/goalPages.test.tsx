@@ -1,30 +1,9 @@
-import type { GatewayEvent, LiveGoal, StreamHandlers } from "@dock-gateway/client";
+import type { LiveGoal } from "@dock-gateway/client";
 import { act, fireEvent, screen, waitFor, within } from "@testing-library/react";
-import { beforeEach, describe, expect, it, vi } from "vitest";
-import type { PlotStackProps } from "../src/ui/PlotStack";
+import { describe, expect, it, vi } from "vitest";
 import { battery, feedback, goal, latched, result, START, snapshot, status } from "./events";
 import { fakeGateway, renderPage } from "./page";
-
-const streams = vi.hoisted(() => [] as { url: string; handlers: StreamHandlers }[]);
-vi.mock("../src/stream/stream", async (original) => ({
-  ...(await original<typeof import("../src/stream/stream")>()),
-  openStream: (url: string, handlers: StreamHandlers) => {
-    streams.push({ url, handlers });
-    return () => {};
-  },
-}));
-// A canvas is nothing that jsdom has.
-vi.mock("../src/ui/PlotStack", () => ({
-  default: ({ labels, tools, onPick }: PlotStackProps) =>
-    labels.map((label, index) => (
-      <div key={label}>
-        <button type="button" onClick={() => onPick(3.1)}>
-          {label}
-        </button>
-        {tools[index]}
-      </div>
-    )),
-}));
+import { streams, tell } from "./streams";
 
 type Answer = (request: Request, path: string) => unknown;
 
@@ -62,10 +41,6 @@ const ended = (id: string, seconds: number, change: Partial<LiveGoal> = {}) =>
     finished_at: at(seconds + 3),
     ...(change as object),
   });
-
-beforeEach(() => {
-  streams.length = 0;
-});
 
 describe("the list of goals", () => {
   const actions = () => ({ actions: [{ action_name: "/fibonacci" }] });
@@ -136,10 +111,6 @@ describe("the list of goals", () => {
 
 describe("the page of a goal", () => {
   const schemas = () => ({ type: "t", goal: {}, result: {}, feedback: {} });
-  const tell = (...events: GatewayEvent[]) =>
-    act(() => {
-      for (const event of events) streams[0]?.handlers.onEvent(event);
-    });
   const connect = (goals: LiveGoal[]) => {
     tell(snapshot({ goals: goals as never }));
     act(() => streams[0]?.handlers.onConnection({ kind: "snapshot" }));

@@ -1,4 +1,4 @@
-import type { GatewayEvent, Scene, StreamHandlers } from "@dock-gateway/client";
+import type { GatewayEvent, Scene } from "@dock-gateway/client";
 import { act, screen, waitFor, within } from "@testing-library/react";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import { placement } from "../src/pages/map/MapPage";
@@ -9,18 +9,7 @@ import { SCENE_COLORS } from "../src/scene/colors";
 import { toScreen } from "../src/scene/view";
 import { alert, at, emptyScene, latched, robot } from "./events";
 import { fakeGateway, renderPage } from "./page";
-
-const streams = vi.hoisted(() => [] as { url: string; handlers: StreamHandlers; closed: boolean }[]);
-vi.mock("../src/stream/stream", async (original) => ({
-  ...(await original<typeof import("../src/stream/stream")>()),
-  openStream: (url: string, handlers: StreamHandlers) => {
-    const stream = { url, handlers, closed: false };
-    streams.push(stream);
-    return () => {
-      stream.closed = true;
-    };
-  },
-}));
+import { streams } from "./streams";
 
 /** A robot at `x` in a frame. */
 const scene = (x: number, frame: Scene["frame"] = "world"): Scene => ({
@@ -31,7 +20,6 @@ const scene = (x: number, frame: Scene["frame"] = "world"): Scene => ({
 const event = (scenes: Record<string, Scene>): GatewayEvent => ({ type: "scenes", time: at(1), scenes });
 
 beforeEach(() => {
-  streams.length = 0;
   vi.stubGlobal("fetch", async () => Response.json({ rules: [] }));
 });
 

@@ -6,6 +6,7 @@ import { ANYBODY, session } from "../src/api/session";
 import { ALL_ROBOTS } from "../src/fleet/robotChoice";
 import { setPreferences } from "../src/notifications/announce";
 import { setZone } from "../src/ui/zone";
+import { streams } from "./streams";
 
 // On a busy machine seconds are not much.
 configure({ asyncUtilTimeout: 60_000 });
@@ -36,6 +37,13 @@ vi.mock("../src/ui/lazyPart", async () => {
   return { lazyPart };
 });
 
+// Every file has these: a module that another file has loaded before would not see one that only a single file mocks.
+vi.mock("../src/stream/stream", async (original) => ({
+  ...(await original<object>()),
+  openStream: (await import("./streams")).openStream,
+}));
+vi.mock("../src/ui/PlotStack", () => import("./plots"));
+
 // The page that a failing query prints is long to write, and written for each try of one that waits.
 process.env.DEBUG_PRINT_LIMIT ??= "0";
 
@@ -62,6 +70,9 @@ window.getComputedStyle = (element: Element) => {
   return new Proxy({}, { get }) as CSSStyleDeclaration;
 };
 
+// No gateway is found, at once: how long a machine looks for its name differs.
+globalThis.fetch = () => Promise.reject(new TypeError("fetch failed"));
+
 // What jsdom lacks and the page's libraries ask for.
 window.matchMedia ??= (query: string) =>
   ({
@@ -87,6 +98,7 @@ Element.prototype.scrollIntoView ??= () => {};
 // act() is how the page works.
 let mistakes: string[] = [];
 beforeEach(() => {
+  streams.length = 0;
   mistakes = [];
   vi.spyOn(console, "error").mockImplementation((...parts: unknown[]) => {
     const text = parts.map(String).join(" ");

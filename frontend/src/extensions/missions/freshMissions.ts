@@ -1,5 +1,5 @@
 import type { GatewayEvent } from "@dock-gateway/client";
-import { type QueryClient, useQueryClient } from "@tanstack/react-query";
+import { type QueryClient, type QueryKey, useQueryClient } from "@tanstack/react-query";
 import { useEffect } from "react";
 import { openStream, streamUrl } from "../../stream/stream";
 import { ENDED, KEY, ONE, OPEN } from "./openMissions";
@@ -28,10 +28,17 @@ export function take(client: QueryClient, mission: Mission): void {
     if (robot !== null && robot !== mission.robot) continue;
     if (known !== undefined)
       client.setQueryData(key, { ...known, missions: withMission(known.missions, mission) });
-    // What is being read may be from before the event.
-    if (client.isFetching({ queryKey: key, exact: true }))
-      void client.invalidateQueries({ queryKey: key, exact: true });
+    readAgain(client, key);
   }
-  client.setQueryData<Mission>([...ONE, mission.mission_id], (known) => known && mission);
+  const one = [...ONE, mission.mission_id];
+  client.setQueryData<Mission>(one, (known) => known && mission);
+  readAgain(client, one);
   if (hasEnded(mission)) void client.invalidateQueries({ queryKey: ENDED });
+}
+
+/** What is being read may be from before an event. To invalidate it would not ask again while nothing is known. */
+function readAgain(client: QueryClient, queryKey: QueryKey): void {
+  const query = { queryKey, exact: true };
+  if (client.isFetching(query) > 0)
+    void client.cancelQueries(query).then(() => client.invalidateQueries(query));
 }

@@ -1,5 +1,5 @@
-import { act, screen, waitFor, within } from "@testing-library/react";
-import { describe, expect, it, vi } from "vitest";
+import { screen, waitFor, within } from "@testing-library/react";
+import { describe, expect, it } from "vitest";
 import { shapeOf } from "../../../src/actions/form/shapes";
 import { session } from "../../../src/api/session";
 // Loaded on demand by the page: on a busy machine their first import takes longer than a test waits.
@@ -7,7 +7,6 @@ import "../../../src/extensions/missions/MissionPage";
 import "../../../src/extensions/missions/MissionsPage";
 import "../../../src/extensions/missions/NewMissionPage";
 import "../../../src/extensions/missions/openMissions";
-import type { StreamHandlers } from "@dock-gateway/client";
 import { withField } from "../../../src/actions/form/draft";
 import {
   exampleMission,
@@ -44,6 +43,7 @@ import {
 } from "../../../src/extensions/missions/wrong";
 import { robot } from "../../events";
 import { fakeGateway, renderPage } from "../../page";
+import { tell } from "../../streams";
 import {
   ANY,
   answering,
@@ -68,17 +68,6 @@ import {
   SHELF,
   WAIT,
 } from "./examples";
-
-let handlers: StreamHandlers[] = [];
-vi.mock("../../../src/stream/stream", async (original) => ({
-  ...(await original<object>()),
-  openStream: (_: string, opened: StreamHandlers) => {
-    handlers.push(opened);
-    return () => {
-      handlers = handlers.filter((each) => each !== opened);
-    };
-  },
-}));
 
 const ROBOTS = { robots: [robot("/robot1"), robot("/robot2")] };
 const open = (path = "/ui/missions") => renderPage(fakeGateway(), ROBOTS, path);
@@ -335,7 +324,7 @@ describe("the page", () => {
     expect(screen.getByText("Not on a mission: /robot2")).toBeDefined();
     expect(await screen.findByText("Took longer than its timeout")).toBeDefined();
     const event = { type: "mission", time: NIGHT.created_at, mission: HELD } as const;
-    act(() => handlers.forEach(({ onEvent }) => void onEvent(event)));
+    tell(event);
     await user.click(await screen.findByRole("button", { name: "Continue: Night" }));
     await waitFor(() => expect(asked.map(({ path }) => path)).toEqual(["/missions/a/continue"]));
   });

@@ -1,26 +1,15 @@
-import { act, screen, waitFor, within } from "@testing-library/react";
+import { screen, waitFor, within } from "@testing-library/react";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 // Loaded on demand by the page: on a busy machine their first import takes longer than a test waits.
 import "../../../src/extensions/missions/EditMissionPage";
 import "../../../src/extensions/missions/MissionPage";
 import "../../../src/extensions/missions/MissionsPage";
 import "../../../src/extensions/missions/NewMissionPage";
-import type { StreamHandlers } from "@dock-gateway/client";
 import type { Mission } from "../../../src/extensions/missions/requests";
 import { robot } from "../../events";
 import { fakeGateway, isDisabled, renderPage } from "../../page";
+import { tell } from "../../streams";
 import { ANY, CHARGE, DOCK, NIGHT, QUEUED } from "./examples";
-
-let handlers: StreamHandlers[] = [];
-vi.mock("../../../src/stream/stream", async (original) => ({
-  ...(await original<object>()),
-  openStream: (_: string, opened: StreamHandlers) => {
-    handlers.push(opened);
-    return () => {
-      handlers = handlers.filter((each) => each !== opened);
-    };
-  },
-}));
 
 const SECOND: Mission = { ...QUEUED, mission_id: "s", name: "Second", order: 2, steps: [DOCK, CHARGE] };
 const FIRST: Mission = { ...QUEUED, mission_id: "f", name: "First", order: 1 };
@@ -33,10 +22,7 @@ function changeTo(id: string, change: Partial<Mission>): Mission {
   return missions.find(({ mission_id }) => mission_id === id) ?? QUEUED;
 }
 
-function tell(mission: Mission): void {
-  const event = { type: "mission", time: NIGHT.created_at, mission } as const;
-  act(() => handlers.forEach(({ onEvent }) => void onEvent(event)));
-}
+const tellOf = (mission: Mission) => tell({ type: "mission", time: NIGHT.created_at, mission });
 
 /** What a gateway does with these missions. */
 async function answer(request: Request): Promise<Response> {
@@ -127,7 +113,7 @@ describe("a queued mission", () => {
     const { user } = open("/ui/missions/s/edit");
     const name = await screen.findByRole("textbox", { name: "Name" });
     await user.type(name, " one");
-    tell(changeTo("s", { name: "Theirs", etag: '"1"' }));
+    tellOf(changeTo("s", { name: "Theirs", etag: '"1"' }));
     await user.click(screen.getByRole("button", { name: "Save" }));
     const alert = await screen.findByRole("alert");
     expect(within(alert).getByText("Someone else has changed it meanwhile")).toBeDefined();
@@ -137,7 +123,7 @@ describe("a queued mission", () => {
     changeTo("s", { etag: '"2"' });
     await user.click(screen.getByRole("button", { name: "Save" }));
     await screen.findByRole("button", { name: "Replace it with mine" });
-    tell(changeTo("s", { name: "Theirs again" }));
+    tellOf(changeTo("s", { name: "Theirs again" }));
     await user.click(screen.getByRole("button", { name: "Replace it with mine" }));
     await waitFor(() => expect(asked.map(({ match }) => match)).toEqual(['"0"', '"1"', '"2"']));
     expect(JSON.parse(asked[2]?.body ?? "").name).toBe("Theirs");
@@ -147,9 +133,28 @@ describe("a queued mission", () => {
     missions = [SECOND];
     open("/ui/missions/s/edit");
     await screen.findByRole("textbox", { name: "Name" });
-    tell(changeTo("s", { status: "running", started_at: NIGHT.started_at }));
+    tellOf(changeTo("s", { status: "running", started_at: NIGHT.started_at }));
     await screen.findByText("It has begun meanwhile");
     expect(isDisabled("Save")).toBe(true);
+  });
+
+  it("is as an event says that comes while it is being read", async () => {
+    missions = [SECOND];
+    let answerNow = () => {};
+    const wait = new Promise<void>((resolve) => {
+      answerNow = resolve;
+    });
+    const slow = vi.fn(async (request: Request) => {
+      const before = await answer(request);
+      await wait;
+      return before;
+    });
+    vi.stubGlobal("fetch", slow);
+    open("/ui/missions/s/edit");
+    await waitFor(() => expect(slow.mock.calls.some(([{ url }]) => url.endsWith("/missions/s"))).toBe(true));
+    tellOf(changeTo("s", { status: "running", started_at: NIGHT.started_at }));
+    answerNow();
+    await screen.findByText("It has begun meanwhile");
   });
 
   it("is moved with buttons, which keep the focus and say where it is", async () => {
