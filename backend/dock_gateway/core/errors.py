@@ -150,7 +150,10 @@ class Conflict(GatewayError):
 
 
 class DockOccupied(Conflict):
-    """Another robot has the dock. The same goal may be sent later: what sends goals by itself waits for that."""
+    """Another robot has the dock. The same goal may be sent later: what sends goals by itself waits for that.
+
+    `wait_at` says where, if that has a place: `frame`, `x` and `y` in metres, and `yaw` in radians.
+    """
 
     code = "dock_occupied"
 

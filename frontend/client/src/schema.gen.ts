@@ -3232,7 +3232,7 @@ export interface components {
         };
         /**
          * DockPose
-         * @description Where a dock is: metres and radians in a frame.
+         * @description Where a dock is, or a robot waits for one: metres and radians in a frame.
          */
         DockPose: {
             /**
@@ -3273,6 +3273,8 @@ export interface components {
         /**
          * DockWait
          * @description A robot that waits for a dock; `battery` is its charge, 0 to 1, if that is known.
+         *
+         *     `wait_at` is where it waits, or is driving to; null: where it is.
          */
         DockWait: {
             /** Robot */
@@ -3284,6 +3286,7 @@ export interface components {
             since_at: string;
             /** Battery */
             battery: number | null;
+            wait_at: components["schemas"]["DockPose"] | null;
         };
         /**
          * DockingEvent
@@ -4462,6 +4465,8 @@ export interface components {
             pausing: boolean;
             /** Step */
             step: number;
+            /** @default null */
+            wait_at: components["schemas"]["Waypoint"] | null;
             error: components["schemas"]["Reason"] | null;
             /**
              * Template
@@ -5982,6 +5987,11 @@ export interface components {
              * @default null
              */
             pose: components["schemas"]["DockPose"] | null;
+            /**
+             * Waiting Places
+             * @description Where robots on missions wait for it, one at each
+             */
+            waiting_places: components["schemas"]["DockPose"][];
             /** Changed By */
             changed_by: string | null;
             /**
@@ -10096,6 +10106,20 @@ export interface operations {
                          */
                         theta?: number;
                     } | null;
+                    /** @description Where robots on missions wait for it, one at each */
+                    waiting_places?: {
+                        /** @default map */
+                        frame?: string;
+                        /** @description Metres */
+                        x: number;
+                        /** @description Metres */
+                        y: number;
+                        /**
+                         * @description Radians
+                         * @default 0
+                         */
+                        theta?: number;
+                    }[];
                     by?: string | null;
                 };
             };

@@ -5,8 +5,9 @@ from typing import Any
 
 import pytest
 
-from dock_gateway.extensions.chargers.dock import MAX_GOALS, DockBody, DockEntry, DockRecord, Hold, WaitEntry
+from dock_gateway.extensions.chargers.dock import MAX_GOALS, DockBody, DockEntry, DockPose, DockRecord, Hold, WaitEntry
 from dock_gateway.extensions.chargers.policy import (
+    ARRIVES_WITHIN,
     ASKS_WITHIN,
     FREE,
     PATIENCE,
@@ -17,9 +18,11 @@ from dock_gateway.extensions.chargers.policy import (
     Seen,
     choose,
     follow,
+    is_waiting,
     left,
     reserve,
     stand,
+    waits_for,
 )
 from dock_gateway.http.schema import RobotSelection
 
@@ -175,3 +178,42 @@ def test_there_is_a_limit_of_goals() -> None:
     for number in range(MAX_GOALS):
         record = reserve(record, "/robot1", str(number), NOON)
     assert choose(Ask("/robot1", ["a"]), DOCKS, {"a": record}, {}, NOON) == (None, {"a": Obstacle.TOO_MANY})
+
+
+BAYS = [DockPose(x=float(x), y=0.0) for x in (1, 2, 3)]
+WITH_BAYS = {
+    "a": DockBody(waiting_places=[*BAYS[:2]]).entry(),
+    "b": DockBody(waiting_places=[*BAYS[2:]]).entry(),
+}
+
+
+def test_each_robot_that_waits_has_a_place_of_its_own_and_keeps_it() -> None:
+    known: dict[str, WaitEntry] = {}
+    robots = [f"/robot{number}" for number in range(1, 6)]
+    for robot in robots:
+        known[robot] = waits_for(Ask(robot, ["b", "a"]), WITH_BAYS, known, NOON)
+    assert [known[robot].wait_at for robot in robots] == [BAYS[2], BAYS[0], BAYS[1], None, None]
+    del known["/robot1"]  # it has got a dock
+    later = after(20)
+    kept = waits_for(Ask("/robot2", ["b", "a"]), WITH_BAYS, known, later)
+    assert (kept.wait_at, kept.since_at, kept.arrives_by) == (BAYS[0], NOON, None)
+    moved = waits_for(Ask("/robot4", ["b", "a"]), WITH_BAYS, known, later)
+    assert (moved.wait_at, moved.since_at, moved.arrives_by) == (BAYS[2], NOON, later + ARRIVES_WITHIN)
+
+
+def test_a_robot_that_drives_to_where_it_waits_need_not_ask() -> None:
+    drives = waits_for(ASK, WITH_BAYS, {}, NOON)
+    assert is_waiting(drives, after(299))
+    assert not is_waiting(drives, NOON + ARRIVES_WITHIN)
+    asks = waits_for(ASK, WITH_BAYS, {"/robot1": drives}, after(100))
+    assert is_waiting(asks, after(129))
+    assert not is_waiting(asks, after(130))
+    assert not is_waiting(drives, after(-31))  # the clock was set back
+
+
+def test_a_place_that_is_no_longer_listed_is_left() -> None:
+    before = waits_for(ASK, WITH_BAYS, {}, NOON)
+    assert before.wait_at == BAYS[0]
+    without = {"a": DockBody(waiting_places=[BAYS[1]]).entry(), "b": DOCK}
+    assert waits_for(ASK, without, {"/robot1": before}, NOON).wait_at == BAYS[1]
+    assert waits_for(ASK, DOCKS, {"/robot1": before}, NOON).wait_at is None

@@ -24,12 +24,15 @@ from dock_gateway.extensions.chargers.policy import (
     follow,
     is_waiting,
     reserve,
+    waits_for,
 )
 
 NOON = datetime(2026, 11, 30, 12, tzinfo=UTC)
 ROBOTS = ("/r1", "/r2", "/r3", "/r4")
 NAMES = ("a", "b")
-DOCKS = dict.fromkeys(NAMES, DockBody().entry())
+# Fewer places to wait at than robots.
+PLACES = {"a": [{"x": 1.0, "y": 0.0}, {"x": 2.0, "y": 0.0}], "b": [{"x": 2.0, "y": 0.0}]}
+DOCKS = {name: DockBody.model_validate({"waiting_places": PLACES[name]}).entry() for name in NAMES}
 
 
 @dataclass
@@ -77,9 +80,8 @@ class World:
         if chosen is not None:
             self.asking.append(Pending(robot, chosen, self.records.get(chosen, FREE), dict(self.waits)))
         elif waits:
-            known = self.waits.get(robot)
-            since = known.since_at if known is not None and is_waiting(known, self.now) else self.now
-            self.waits[robot] = WaitEntry(docks=docks, since_at=since, asked_at=self.now, battery=self.random.random())
+            entry = waits_for(ask, DOCKS, self.waits, self.now)
+            self.waits[robot] = entry.model_copy(update={"battery": self.random.random()})
 
     def store(self) -> None:
         """A gateway stores what it has chosen, and then its goal."""
@@ -196,7 +198,9 @@ class World:
         self.check()
 
     def check(self) -> None:
-        """At each dock there is one robot at most, on it or on its way."""
+        """At each dock there is one robot at most, on it or on its way, and at each place where robots wait."""
+        places = [wait.wait_at for wait in self.waits.values() if wait.wait_at and is_waiting(wait, self.now)]
+        assert all(places.count(place) == 1 for place in places)
         at: dict[str, set[str]] = {name: set() for name in NAMES}
         for robot, dock in self.on.items():
             at[dock].add(robot)

@@ -8,11 +8,12 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Verb
-from dock_gateway.extensions.missions import progress, recharge
+from dock_gateway.extensions.missions import progress, recharge, waiting
 from dock_gateway.extensions.missions.mission import HoldReason, MissionEntry, MissionStatus, Reason, StepStatus
 from dock_gateway.extensions.missions.moves import Cancel, Change, Facts, Send, Sent
 from dock_gateway.extensions.missions.progress import begins_message, next_move
 from dock_gateway.extensions.missions.step import FailurePolicy
+from dock_gateway.extensions.missions.step_kinds import Waypoint
 from tests.extensions.missions.examples import CALL, DOCK, FIBONACCI, NOON, PUBLISH, UNDOCK, begun
 
 ENDINGS = st.sampled_from([GoalStatus.SUCCEEDED, GoalStatus.SUCCEEDED, GoalStatus.ABORTED, GoalStatus.CANCELED])
@@ -46,6 +47,8 @@ NESTED = st.one_of(
 
 # A break of which the battery is low in half of the examples.
 LIMITS = {"below": 0.3, "charge_to": 0.8}
+# Where the robot waits for a dock that is occupied.
+BAY = Waypoint(x=1.0, y=2.0)
 Key = tuple[str, int]  # a place in the mission, and a try
 
 
@@ -88,6 +91,7 @@ class MissionMachine(RuleBasedStateMachine):
         self.told = [False, False]  # the gateways that have had a stop since they last looked
         self.battery: float | None = 0.2
         self.docked = False
+        self.occupied = False  # the dock, by another robot
         self.given_up: set[str] = set()
         self.may_move = True  # not so after a stop until somebody continues
         self.last_ended: MissionEntry | None = None
@@ -172,6 +176,12 @@ class MissionMachine(RuleBasedStateMachine):
             assert not (mission.parked and mission.current.verb is None)
             if killed and mission.revision != self.stored.revision:
                 return  # it is killed before it sends
+            if self.occupied and mission.current.verb == "dock":
+                after = waiting.drive(mission, BAY, self.facts(gateway, mission), self.now)
+                assert after is None or not self.docked
+                if after is not None and not killed:
+                    self.store(gateway, after)
+                return
         goal = self.server.send(key, mission.current.verb)
         self.rounds[key] = rounds_of(mission)
         if not killed:
@@ -192,6 +202,10 @@ class MissionMachine(RuleBasedStateMachine):
     @rule(level=st.sampled_from([0.1, 0.9, 0.9, None]), docked=st.booleans())
     def charge(self, level: float | None, docked: bool) -> None:
         self.battery, self.docked = level, docked
+
+    @rule(occupied=st.booleans())
+    def occupy(self, occupied: bool) -> None:
+        self.occupied = occupied
 
     @precondition(lambda self: self.server.running())
     @rule(data=st.data(), status=ENDINGS)
@@ -284,6 +298,8 @@ class MissionMachine(RuleBasedStateMachine):
             self.last_ended = self.stored
             assert self.stored.held_for is None
             assert self.stored.recharge is None
+            assert self.stored.drive is None
+            assert self.stored.wait_at is None
             running = {goal.goal_id for goal in self.server.running()}
             assert running <= self.given_up | self.server.asked_to_cancel
 
@@ -296,6 +312,7 @@ class MissionMachine(RuleBasedStateMachine):
         if not hasattr(self, "stored"):
             return
         self.stopped, self.battery, self.may_move, self.told = False, 1.0, True, [False, False]
+        self.occupied = False
         for _ in range(200):
             if self.stored.status.ended:
                 break

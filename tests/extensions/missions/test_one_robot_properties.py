@@ -131,7 +131,7 @@ class OneRobot(MissionMachine):
         """With nothing in its way, the mission comes to its end, and the robot to its dock before it is empty."""
         if not hasattr(self, "stored") or not hasattr(self, "rules"):
             return
-        self.stopped, self.may_move, self.told = False, True, [False, False]
+        self.stopped, self.occupied, self.may_move, self.told = False, False, True, [False, False]
         for goal in (*self.server.running(), *self.foreign()):
             goal.status = GoalStatus.SUCCEEDED
         self.battery, self.docked = 0.25, False

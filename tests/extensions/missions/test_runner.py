@@ -25,6 +25,7 @@ from dock_gateway.extensions.missions.notices import Notices
 from dock_gateway.extensions.missions.places.place import PlaceBody, PlaceEntry
 from dock_gateway.extensions.missions.places.places import Places
 from dock_gateway.extensions.missions.runner import MissionRunner
+from dock_gateway.extensions.missions.step_goals import StepGoals
 from dock_gateway.extensions.missions.step_kinds import Waypoint
 from dock_gateway.extensions.missions.turns import RobotFacts
 from dock_gateway.storage.shared_entries import SharedBook
@@ -173,11 +174,17 @@ class Site:
             last_stops=self.last_stops[-1],
             docked=lambda _: None,
         )
-        runner = MissionRunner(
+        goals = StepGoals(
             book,
             actions=actions,
             robot_actions=cast("Any", SimpleNamespace(docking_name=lambda *_: "/dock")),
             docks=cast("Any", server),
+            last_stops=self.last_stops[-1],
+            clock=now,
+        )
+        runner = MissionRunner(
+            book,
+            goals=goals,
             messages=cast("Any", server),
             interlock=interlock,
             share=EVERYTHING,
@@ -574,6 +581,61 @@ async def test_a_step_that_waits_for_its_dock_fails_in_time() -> None:
     mission = await site.ended()
     error = mission.steps[0].error
     assert (mission.status, error and error.code) == (MissionStatus.FAILED, "step_timeout")
+
+
+def occupied(place: float = 1.0) -> DockOccupied:
+    return DockOccupied("/robot2 stands on it", wait_at={"frame": "map", "x": place, "y": 2.0, "yaw": 0.0})
+
+
+@in_virtual_time
+async def test_a_robot_waits_for_its_dock_where_it_is_said_to() -> None:
+    site = Site(gateways=2)
+    site.server.refuses = [occupied()]
+    await site.add(DOCK)
+    await asyncio.sleep(5)
+    book = site.runners[0].book
+    shown = book.describe("a", book.all()["a"])
+    assert (shown["wait_at"], book.waits["a"]) == ({"x": 1.0, "y": 2.0, "yaw": 0.0, "frame": "map"}, "goal")
+    assert site.server.read["pose"]["pose"]["position"] == {"x": 1.0, "y": 2.0}
+    site.server.refuses = [occupied() for _ in range(20)]
+    await asyncio.sleep(15)
+    assert (book.all()["a"].wait_at, book.waits["a"]) == (Waypoint(x=1.0, y=2.0), "dock")
+    mission = await site.ended()
+    assert (mission.status, mission.steps[0].attempt, mission.wait_at) == (MissionStatus.SUCCEEDED, 1, None)
+    assert [*site.server.goals] == ["mission-a-drive-1-1", "mission-a-0-1"]
+
+
+@in_virtual_time
+async def test_a_robot_that_cannot_drive_to_where_it_waits_waits_where_it_is() -> None:
+    site = Site()
+    site.server.takes = None
+    site.server.refuses = [occupied()]
+    await site.add(DOCK)
+    await asyncio.sleep(300)
+    drive, dock = site.server.goals.values()
+    assert (drive.status, dock.status) == (GoalStatus.CANCELED, GoalStatus.EXECUTING)
+    site.server.end(dock)
+    assert (await site.ended()).status is MissionStatus.SUCCEEDED
+
+
+@in_virtual_time
+async def test_a_stop_ends_the_drive_to_where_a_robot_waits() -> None:
+    site = Site()
+    site.server.refuses = [occupied()]
+    await site.add(DOCK)
+    await asyncio.sleep(3)
+    site.held = True
+    site.server.end(next(iter(site.server.goals.values())), GoalStatus.CANCELED)
+    await asyncio.sleep(30)
+    book = site.runners[0].book
+    assert (book.all()["a"].held_for, len(site.server.goals)) == ("stop", 1)
+    site.held = False
+    await asyncio.sleep(30)
+    assert len(site.server.goals) == 1
+    await book.amend("a", UNLIMITED, lambda mission: progress.resume(mission, now()))
+    mission = await site.ended()
+    assert mission.status is MissionStatus.SUCCEEDED
+    assert [*site.server.goals] == ["mission-a-drive-1-1", "mission-a-drive-1-2", "mission-a-0-1"]
 
 
 LIMITS = {"below": 0.25, "charge_to": 0.8}

@@ -99,7 +99,7 @@ class DockBoard:
             "note": record.note,
             "failures": record.failures,
             "waiting": [
-                {"robot": name, "since_at": waits[name].since_at, "battery": waits[name].battery}
+                waits[name].model_dump(include={"since_at", "battery", "wait_at"}) | {"robot": name}
                 for name in waiting
                 if dock_id in waits[name].docks
             ],

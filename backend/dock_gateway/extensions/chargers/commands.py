@@ -34,11 +34,29 @@ def list_shared_docks() -> None:
 @click.argument("dock_id")
 @click.option("--robot", "names", metavar="NAME", multiple=True, help="A robot that it fits; all by default.")
 @click.option("--group", "groups", metavar="NAME", multiple=True, help="A group of robots that it fits.")
+@click.option(
+    "--waiting-place",
+    "places",
+    type=(float, float, float),
+    metavar="X Y YAW",
+    multiple=True,
+    help="Where a robot waits for it: metres and radians in the frame map. Once for each robot.",
+)
 @asks
-def enter(dock_id: str, names: tuple[str, ...], groups: tuple[str, ...]) -> None:
-    """Share a dock, or change which robots it fits. DOCK_ID is what their docking servers call it."""
-    body = {"robots": {"names": names, "groups": groups}} if names or groups else {}
-    _show("PUT", dock_id, "", body)
+def enter(
+    dock_id: str, names: tuple[str, ...], groups: tuple[str, ...], places: tuple[tuple[float, float, float], ...]
+) -> None:
+    """Share a dock, or change what the options say of it. DOCK_ID is what the docking servers call it."""
+    body: dict[str, Any] = {}
+    if names or groups:
+        body["robots"] = {"names": names, "groups": groups}
+    if places:
+        body["waiting_places"] = [dict(zip(("x", "y", "theta"), place, strict=True)) for place in places]
+    with gateway() as client:
+        docks = client.request("GET", "/shared-docks")["shared_docks"]
+    known: dict[str, Any] = next((each for each in docks if each["dock_id"] == dock_id), {})
+    kept = {name: known[name] for name in ("robots", "pose", "waiting_places") if name in known}
+    _show("PUT", dock_id, "", kept | body)
 
 
 @shared_dock.command()

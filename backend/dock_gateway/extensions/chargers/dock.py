@@ -11,6 +11,7 @@ from dock_gateway.http.bodies import Name60, RobotName
 from dock_gateway.http.schema import RobotSelection, Schema
 
 MAX_GOALS = 10
+MAX_WAITING_PLACES = 20
 
 DOCK_EXAMPLE: JsonValue = {
     "robots": {"all": False, "names": ["/robot1", "/robot2"], "groups": ["hall 1"]},
@@ -20,7 +21,7 @@ DOCK_EXAMPLE: JsonValue = {
 
 
 class DockPose(Schema):
-    """Where a dock is: metres and radians in a frame."""
+    """Where a dock is, or a robot waits for one: metres and radians in a frame."""
 
     frame: Name60 = "map"
     x: Annotated[float, Field(ge=-FARTHEST, le=FARTHEST, description="Metres")]
@@ -35,6 +36,14 @@ class DockFields(Schema):
         all=True
     )
     pose: Annotated[DockPose | None, Field(description="Where it is, if that is known; it is only shown")] = None
+    waiting_places: Annotated[
+        list[DockPose],
+        Field(
+            default_factory=list,
+            max_length=MAX_WAITING_PLACES,
+            description="Where robots on missions wait for it, one at each",
+        ),
+    ]
 
 
 class DockEntry(DockFields):
@@ -53,7 +62,8 @@ class DockBody(DockFields):
 
     def entry(self) -> DockEntry:
         """Return the dock, changed now."""
-        return DockEntry(robots=self.robots, pose=self.pose, changed_by=self.by, changed_at=utc_now())
+        fields = {name: getattr(self, name) for name in DockFields.model_fields}
+        return DockEntry(**fields, changed_by=self.by, changed_at=utc_now())
 
 
 class Hold(Schema):
@@ -106,6 +116,8 @@ class WaitEntry(Schema):
         since_at: Since when it waits.
         asked_at: When it last asked.
         battery: Its charge then, 0 to 1; None if that is unknown.
+        wait_at: Where it waits, or is driving to; None: where it is.
+        arrives_by: Until when it may be driving there, without asking; None: it has asked since.
     """
 
     model_config = ConfigDict(frozen=True)
@@ -114,3 +126,5 @@ class WaitEntry(Schema):
     since_at: datetime
     asked_at: datetime
     battery: float | None = None
+    wait_at: DockPose | None = None
+    arrives_by: datetime | None = None

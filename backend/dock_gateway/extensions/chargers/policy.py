@@ -13,6 +13,8 @@ from dock_gateway.extensions.chargers.dock import MAX_GOALS, DockEntry, DockReco
 
 # A robot that has not asked for so long waits no more.
 ASKS_WITHIN = timedelta(seconds=30)
+# But it has so long to drive to where it waits.
+ARRIVES_WITHIN = timedelta(minutes=5)
 # One that has waited for so long comes first, whatever its charge.
 PATIENCE = timedelta(minutes=30)
 # A goal that is not stored so long after its reservation was never sent: its gateway has ended.
@@ -122,8 +124,33 @@ def earlier(robot: str, waits: Mapping[str, WaitEntry], now: datetime, *, by_cha
 
 
 def is_waiting(wait: WaitEntry, now: datetime) -> bool:
-    """Return whether a robot still asks."""
-    return abs(now - wait.asked_at) < ASKS_WITHIN
+    """Return whether a robot still asks, or is driving to where it waits."""
+    drives = wait.arrives_by is not None and wait.asked_at <= now < wait.arrives_by
+    return drives or abs(now - wait.asked_at) < ASKS_WITHIN
+
+
+def waits_for(ask: Ask, docks: Mapping[str, DockEntry], known: Mapping[str, WaitEntry], now: datetime) -> WaitEntry:
+    """Return the entry of a robot that has asked, and waits.
+
+    Its place is the first one of those docks at which nobody else waits, and stays the same as long as it waits.
+
+    Args:
+        ask: What it would take.
+        docks: The shared docks.
+        known: The robots that wait, by their names.
+        now: The time.
+    """
+    before = known.get(ask.robot)
+    if before is None or before.docks != tuple(ask.docks) or not is_waiting(before, now):
+        before = WaitEntry(docks=tuple(ask.docks), since_at=now, asked_at=now)
+    taken = [each.wait_at for name, each in known.items() if name != ask.robot and is_waiting(each, now)]
+    places = [place for dock_id in ask.docks if dock_id in docks for place in docks[dock_id].waiting_places]
+    free = [place for place in places if place not in taken]
+    place = before.wait_at if before.wait_at in free else next(iter(free), None)
+    drives = place is not None and place != before.wait_at
+    return before.model_copy(
+        update={"asked_at": now, "wait_at": place, "arrives_by": now + ARRIVES_WITHIN if drives else None}
+    )
 
 
 def in_order(waits: Mapping[str, WaitEntry], now: datetime, *, by_charge: bool = False) -> list[str]:

@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import ConfigDict, Field, model_validator
 
-from dock_gateway.extensions.chargers.dock import DockEntry
+from dock_gateway.extensions.chargers.dock import DockEntry, DockPose
 from dock_gateway.http.bodies import Name60, RobotName, expected
 from dock_gateway.http.resource import Versioned
 from dock_gateway.http.schema import Schema
@@ -25,11 +25,15 @@ class DockState(StrEnum):
 
 
 class DockWait(Schema):
-    """A robot that waits for a dock; `battery` is its charge, 0 to 1, if that is known."""
+    """A robot that waits for a dock; `battery` is its charge, 0 to 1, if that is known.
+
+    `wait_at` is where it waits, or is driving to; null: where it is.
+    """
 
     robot: str
     since_at: datetime
     battery: float | None
+    wait_at: DockPose | None
 
 
 class SharedDock(DockEntry, Versioned):

@@ -15,7 +15,7 @@ from dock_gateway.core.goal import Goal
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.versions import UNCONDITIONAL, Condition
 from dock_gateway.extensions.chargers import policy
-from dock_gateway.extensions.chargers.dock import DockEntry, DockRecord, WaitEntry
+from dock_gateway.extensions.chargers.dock import DockEntry, DockPose, DockRecord, WaitEntry
 from dock_gateway.extensions.chargers.policy import Ask, Obstacle
 from dock_gateway.goals.action import Action
 from dock_gateway.goals.docks import Docks
@@ -174,18 +174,30 @@ class SharedDocks:
             obstacles = {dock_id: Obstacle.OCCUPIED}
         refusal = self._refusal(ask, obstacles, grant)
         if isinstance(refusal, DockOccupied) and goal.origin == "automation":
-            await self._wait(ask)
+            place = await self._wait(ask)
+            if place is not None:
+                refusal.extra["wait_at"] = {"frame": place.frame, "x": place.x, "y": place.y, "yaw": place.theta}
         raise refusal
 
-    async def _wait(self, ask: Ask) -> None:
-        """Note that a robot waits, which it does as long as it asks again."""
+    async def _wait(self, ask: Ask) -> DockPose | None:
+        """Note that a robot waits, which it does as long as it asks again; return where; None: where it is."""
         now, known = self._clock(), self.waits.get(ask.robot)
-        waited = known is not None and policy.is_waiting(known, now) and known.docks == tuple(ask.docks)
-        if known is not None and waited and (now - known.asked_at).total_seconds() < NOTED_FOR:
-            return
-        since = known.since_at if known is not None and waited else now
-        entry = WaitEntry(docks=tuple(ask.docks), since_at=since, asked_at=now, battery=self._charge(ask.robot))
-        await self.waits.store(ask.robot, entry, lambda _: None)
+        entry = policy.waits_for(ask, self.book.all(), self.waits.all(), now)
+        same = known is not None and known.model_copy(update={"asked_at": now}) == entry
+        if known is not None and same and (now - known.asked_at).total_seconds() < NOTED_FOR:
+            return entry.wait_at
+
+        def check(stored: Mapping[str, WaitEntry]) -> None:
+            if policy.waits_for(ask, self.book.all(), stored, now).wait_at != entry.wait_at:
+                raise Conflict("another robot has that place meanwhile")
+
+        charged = entry.model_copy(update={"battery": self._charge(ask.robot)})
+        try:
+            await self.waits.store(ask.robot, charged, check)
+        except Conflict:
+            await self.waits.read()
+            return None  # it asks again
+        return entry.wait_at
 
     async def _end_wait(self, robot: str) -> None:
         if self.waits.get(robot) is not None:

@@ -27,6 +27,7 @@ from dock_gateway.extensions.missions.schedules.schedule import ScheduleEntry
 from dock_gateway.extensions.missions.schedules.scheduler import Scheduler
 from dock_gateway.extensions.missions.schedules.schedules import BY_THEMSELVES, FAILED, MAX_SCHEDULES, Schedules
 from dock_gateway.extensions.missions.schema import EVENTS
+from dock_gateway.extensions.missions.step_goals import StepGoals
 from dock_gateway.extensions.missions.templates import routes as of_templates
 from dock_gateway.extensions.missions.templates.template import TemplateEntry
 from dock_gateway.extensions.missions.templates.templates import MAX_TEMPLATES, Templates
@@ -100,11 +101,12 @@ def _make_runner(
         last_stops=last_stops,
         docked=lambda robot: next((each.docked for each in fleet.states() if each.name == robot), None),
     )
+    goals = StepGoals(
+        book, actions=actions, robot_actions=parts[RobotActions], docks=parts[Docks], last_stops=last_stops
+    )
     return MissionRunner(
         book,
-        actions=actions,
-        robot_actions=parts[RobotActions],
-        docks=parts[Docks],
+        goals=goals,
         messages=messages,
         interlock=interlock,
         share=parts[Share],

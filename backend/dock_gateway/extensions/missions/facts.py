@@ -70,7 +70,7 @@ class FactsReader:
             charging=battery.power_supply in CHARGES,
             full=battery.power_supply == PowerSupply.FULL,
             discharging=battery.power_supply == PowerSupply.DISCHARGING,
-            docked=self._docked(robot) if mission.parked else None,
+            docked=self._docked(robot) if mission.parked or step.verb == "dock" else None,
             place=await self._places.pose_of(step) if step.status is StepStatus.WAITING else None,
             goal=goal,
         )

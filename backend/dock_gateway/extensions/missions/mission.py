@@ -219,11 +219,12 @@ class MissionFields(Schema):
     """The fields of a mission that are stored and shown.
 
     `priority`: of the missions of a robot that have not begun, the one with the highest begins first, then the one with
-    the lowest `order`, which is by age unless one was moved. `battery`: when the robot returns
-    to charge, and until when; null: never by the mission's own will. `step` is the index of the present step; once all
-    have ended, their number. `pausing`: it will be held before its next step. `robot` is null until a robot of the
-    `group` has begun it. `template` is the id of the template that it was made of, with which `arguments`, and
-    `schedule` that of the schedule that has queued it; null: none.
+    the lowest `order`, which is by age unless one was moved. `battery`: when the robot returns to charge, and until
+    when; null: never by the mission's own will. `step` is the index of the present step; once all have ended, their
+    number. `wait_at` is where the robot waits for its dock, or is driving to; null: where it is. `pausing`: it will be
+    held before its next step. `robot` is null until a robot of the `group` has begun it. `template` is the id of the
+    template that it was made of, with which `arguments`, and `schedule` that of the schedule that has queued it; null:
+    none.
     """
 
     robot: RosName | None
@@ -236,6 +237,7 @@ class MissionFields(Schema):
     held_for: HoldReason | None
     pausing: bool = False
     step: Annotated[int, Field(ge=0)]
+    wait_at: Waypoint | None = None
     error: Reason | None
     template: str | None = None
     arguments: dict[str, Any] | None = None
@@ -256,6 +258,8 @@ class MissionEntry(MissionFields):
         by_agent: Whether an agent has asked for it.
         recharge: Its break for the battery; None: it is at its step.
         recharges: How many breaks it has begun.
+        drive: The drive to `wait_at`, in place of the step that docks the robot; None: it is not on its way there.
+        drives: How many of these it has begun.
         recharge_skipped: Whether it goes on without a break until the battery has been charged.
         parked: Whether a break has left the robot on its dock.
         revision: Counts its changes: one who changes it says what they have read.
@@ -269,6 +273,8 @@ class MissionEntry(MissionFields):
     by_agent: bool = False
     recharge: Recharge | None = None
     recharges: int = 0
+    drive: StepEntry | None = None
+    drives: int = 0
     recharge_skipped: bool = False
     parked: bool = False
     revision: int = 0
@@ -294,12 +300,16 @@ class MissionEntry(MissionFields):
 
     @property
     def current(self) -> StepEntry:
-        """What is carried out now, of a mission that has not ended: its present step, or that of its break."""
+        """What is carried out now, of a mission that has not ended: its present step, that of its break, or a drive."""
+        if self.drive is not None:
+            return self.drive
         return self.steps[self.step] if self.recharge is None else self.recharge.step
 
     @property
     def position(self) -> str:
-        """Where it is: tells its present step, or its break, from all others."""
+        """Where it is: tells its present step, its break or its drive from all others."""
+        if self.drive is not None:
+            return f"drive-{self.drives}"
         return str(self.step) if self.recharge is None else f"recharge-{self.recharge.number}"
 
     @property
@@ -335,6 +345,8 @@ class MissionEntry(MissionFields):
 
     def with_step(self, index: int | None = None, /, **fields: Any) -> "MissionEntry":
         """Return the mission with other fields of a step, by default of the present one, as its next revision."""
+        if index is None and self.drive is not None:
+            return self.but(drive=self.drive.model_copy(update=fields))
         if index is None and self.recharge is not None:
             step = self.recharge.step.model_copy(update=fields)
             return self.but(recharge=self.recharge.model_copy(update={"step": step}))

@@ -183,7 +183,7 @@ def end(mission: MissionEntry, status: MissionStatus, now: datetime) -> MissionE
     for index in _around(mission.steps, mission.step):
         if mission.steps[index].status is StepStatus.RUNNING:
             mission = mission.with_step(index, status=StepStatus.CANCELED, finished_at=now)
-    return mission.but(status=status, held_for=None, pausing=False, finished_at=now)
+    return mission.but(status=status, held_for=None, pausing=False, wait_at=None, finished_at=now)
 
 
 def _leave(mission: MissionEntry) -> MissionEntry:

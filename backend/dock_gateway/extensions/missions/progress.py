@@ -78,6 +78,8 @@ def _begin(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
         error=None,
         **sender.taken_on(facts, now),
     )
+    if mission.drive is None:
+        begun = begun.model_copy(update={"wait_at": None})
     if step.place is not None and facts.place is None:
         gone = Reason(code="place_not_found", detail=f"there is no place {step.place} any more")
         begun = fail(begun, gone, now)
@@ -229,13 +231,16 @@ def _cancel(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
         return Wait(WaitsFor.ANSWER, ends_at)
     arrived = goal is not None and goal.status is GoalStatus.SUCCEEDED
     arrived |= sent is not None and sent.over and sent.error is None
-    status = StepStatus.SUCCEEDED if arrived and mission.recharge is None else StepStatus.CANCELED
-    mission = mission.but(recharge=None)
+    own = mission.recharge is None and mission.drive is None
+    status = StepStatus.SUCCEEDED if arrived and own else StepStatus.CANCELED
+    mission = mission.but(recharge=None, drive=None)
     return Change(end(mission.with_step(status=status, finished_at=now), MissionStatus.CANCELED, now))
 
 
 def succeed(mission: MissionEntry, now: datetime) -> MissionEntry:
     """Return the mission after its step has succeeded."""
+    if mission.drive is not None:
+        return mission.but(drive=None)
     if mission.recharge is not None:
         return recharge.go_on(mission, now)
     return go_on(mission.with_step(status=StepStatus.SUCCEEDED, finished_at=now, error=None), now)
@@ -243,6 +248,8 @@ def succeed(mission: MissionEntry, now: datetime) -> MissionEntry:
 
 def fail(mission: MissionEntry, error: Reason, now: datetime) -> MissionEntry:
     """Return the mission after a try of its step has failed."""
+    if mission.drive is not None:
+        return mission.but(drive=None)
     if mission.recharge is not None:
         return recharge.fail(mission, error, now)
     step = mission.current
@@ -251,6 +258,12 @@ def fail(mission: MissionEntry, error: Reason, now: datetime) -> MissionEntry:
         later = {"status": StepStatus.WAITING, "tried": tried, "retry_at": now + RETRY_AFTER}
         return mission.with_step(**later, finished_at=now, error=error)
     return fail_step(mission.with_step(tried=tried), error, now)
+
+
+def accept(mission: MissionEntry, goal_id: str) -> MissionEntry:
+    """Return the mission after the goal of its step was accepted: its robot is on its way."""
+    wait_at = None if mission.drive is None else mission.wait_at
+    return mission.with_step(goal_id=goal_id).model_copy(update={"wait_at": wait_at})
 
 
 def begins_message(before: MissionEntry, after: MissionEntry) -> bool:
@@ -291,6 +304,7 @@ def pause(mission: MissionEntry) -> MissionEntry:
 
 def skip(mission: MissionEntry, now: datetime) -> MissionEntry:
     """Return a held mission that goes on without its step, or without its break for the battery."""
+    mission = mission.but(drive=None)
     return resume(skip_step(mission, now) if mission.recharge is None else recharge.skip(mission), now)
 
 
@@ -300,7 +314,9 @@ def resume(mission: MissionEntry, now: datetime) -> MissionEntry:
         return mission
     if mission.started_at is None:
         return mission.but(status=MissionStatus.QUEUED, held_for=None, allowed_at=now)
-    goes_on = mission.but(status=MissionStatus.RUNNING, held_for=None, allowed_at=now)
+    # Where its robot is now, nobody has said.
+    wait_at = None if mission.drive is None else mission.wait_at
+    goes_on = mission.but(status=MissionStatus.RUNNING, held_for=None, allowed_at=now, wait_at=wait_at)
     if mission.held_for is HoldReason.PERSON and goes_on.current.waits_for_person:
         return succeed(goes_on, now)
     if goes_on.current.status is StepStatus.WAITING:

@@ -32,9 +32,12 @@ TOO_SLOW = Reason(code="step_timeout", detail="the battery did not have its char
 
 
 def is_due(mission: MissionEntry, facts: Facts) -> bool:
-    """Return whether the robot has to return before another step begins. A charge that is unknown is not low."""
+    """Return whether the robot has to return before another step begins. A charge that is unknown is not low.
+
+    One that waits for a dock has returned, as far as it can.
+    """
     limits = mission.limits
-    if limits is None or mission.recharge is not None or mission.recharge_skipped:
+    if limits is None or mission.recharge is not None or mission.drive is not None or mission.recharge_skipped:
         return False
     return facts.battery is not None and facts.battery < limits.below
 
@@ -69,6 +72,8 @@ def _to_begin_again(now: datetime) -> dict[str, object]:
 def before_goal(mission: MissionEntry, facts: Facts, now: datetime) -> MissionEntry | None:
     """Return the mission with what comes before its step begins now; None: nothing."""
     step = mission.current
+    if mission.drive is not None:
+        return None
     if mission.recharge is not None:
         is_there = mission.recharge.stage is RechargeStage.DOCKING and facts.charging
         return go_on(mission, now) if is_there else None

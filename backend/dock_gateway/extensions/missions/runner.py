@@ -1,4 +1,4 @@
-"""Carries out missions: follows those of this gateway's robots, and sends and cancels the goals of their steps."""
+"""Carries out missions: follows those of this gateway's robots, and makes the moves that the rules say."""
 
 import asyncio
 import logging
@@ -7,13 +7,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from datetime import datetime
 
-from dock_gateway.core.errors import DockOccupied, GatewayError, TooManyRequests, Unavailable, is_by_stop
+from dock_gateway.core.errors import GatewayError, Unavailable, is_by_stop
 from dock_gateway.core.event import utc_now
-from dock_gateway.core.goal import Goal, GoalStatus
+from dock_gateway.core.goal import Goal
 from dock_gateway.core.share import Share
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.extensions.missions import progress
-from dock_gateway.extensions.missions.actions import action_of, read_goal
 from dock_gateway.extensions.missions.battery import LEAST_CHARGE, BatteryLimits
 from dock_gateway.extensions.missions.book import MissionBook
 from dock_gateway.extensions.missions.facts import FactsReader, key_of_try
@@ -22,10 +21,8 @@ from dock_gateway.extensions.missions.messages import Messages
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, Reason
 from dock_gateway.extensions.missions.moves import Cancel, Change, Facts, Send, Sent, Wait, WaitsFor
 from dock_gateway.extensions.missions.progress import begins_message, next_move
+from dock_gateway.extensions.missions.step_goals import StepGoals
 from dock_gateway.extensions.missions.turns import NO_ROBOTS, RobotFacts, find_turns
-from dock_gateway.goals.docks import Docks
-from dock_gateway.goals.registry import ActionRegistry
-from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.storage.shared_entries import SYNC_INTERVAL
 
@@ -42,9 +39,7 @@ class MissionRunner:
 
     Args:
         book: The missions.
-        actions: All actions.
-        robot_actions: Which of them dock and undock each robot.
-        docks: The docks that the robots' docking servers know.
+        goals: Sends and cancels the goals of steps.
         messages: Calls services, and publishes messages.
         interlock: The latched stops.
         share: The robots that this gateway serves.
@@ -59,9 +54,7 @@ class MissionRunner:
         self,
         book: MissionBook,
         *,
-        actions: ActionRegistry,
-        robot_actions: RobotActions,
-        docks: Docks,
+        goals: StepGoals,
         messages: Messages,
         interlock: Interlock,
         share: Share,
@@ -72,9 +65,7 @@ class MissionRunner:
         clock: Callable[[], datetime] = utc_now,
     ) -> None:
         self.book = book
-        self._actions = actions
-        self._robot_actions = robot_actions
-        self._docks = docks
+        self._goals = goals
         self._messages = messages
         self._interlock = interlock
         self._share = share
@@ -83,7 +74,6 @@ class MissionRunner:
         self._reader = facts
         self._clock = clock
         self._name = uuid.uuid4().hex if shared else None  # as the one that sends goals
-        self._given_up: set[str] = set()  # lost goals that are canceled should they return
         self._sent: dict[str, Sent] = {}  # calls and messages whose tries this gateway has begun, by their keys
         self._busy: set[str] = set()  # robots
         self._woken = asyncio.Event()
@@ -214,15 +204,16 @@ class MissionRunner:
                 if changed and begins_message(mission, after):
                     self._sent[key_of_try(mission_id, after)] = Sent()
                 if facts.goal is not None:
-                    self._given_up.discard(facts.goal.goal_id)
+                    self._goals.given_up.discard(facts.goal.goal_id)
                 return None
             case Send() if mission.current.is_message:
                 await self._send_message(mission_id, mission)
                 return None
             case Send():
-                return await self._send(mission_id, mission)
+                return await self._goals.send(mission_id, mission, facts)
             case Cancel(goal):
-                return await self._cancel(goal)
+                await self._goals.cancel(goal)
+                return Wait(WaitsFor.GOAL)
             case Wait():
                 return move
 
@@ -243,49 +234,10 @@ class MissionRunner:
         facts = await self._reader.read(mission_id, mission)
         return replace(
             facts,
-            given_up=facts.goal is not None and facts.goal.goal_id in self._given_up,
+            given_up=facts.goal is not None and facts.goal.goal_id in self._goals.given_up,
             sent=self._sent.get(key_of_try(mission_id, mission)),
             gateway=self._name,
         )
-
-    async def _send(self, mission_id: str, mission: MissionEntry) -> Wait | None:
-        """Send the goal of the present step, or find it again; return what the mission waits for.
-
-        Raises:
-            Unavailable: The history does not answer.
-        """
-        step, now = mission.current, self._clock()
-        name = action_of(step, mission.its_robot, self._robot_actions)
-        action = None if name is None else self._actions.get(name)
-        if action is None or not action.on_graph:
-            return Wait(WaitsFor.SERVER)
-        try:
-            message = await read_goal(step, action)
-            if step.verb is not None:
-                await self._docks.require(action, step.request)
-            stored = (await self.book.read()).get(mission_id)
-            held = self._last_stops.holds(mission.its_robot, mission)
-            if stored is None or stored.revision != mission.revision or held:
-                return None  # such as one that another gateway holds for a stop
-            # No wait from here to the submission, which notices every stop that comes later.
-            goal = await action.submitter.submit(message, key_of_try(mission_id, mission), sender=None)
-        except (Unavailable, TooManyRequests, DockOccupied) as error:
-            if error.code == "history_unavailable":
-                raise
-            return Wait(WaitsFor.DOCK if isinstance(error, DockOccupied) else WaitsFor.SERVER)
-        except GatewayError as error:
-            reason = Reason(code=error.code, detail=error.detail)
-            known = mission.with_step(goal_id=error.extra.get("goal_id", step.goal_id))
-            after = (progress.hold_for_stop if is_by_stop(error) else progress.fail)(known, reason, now)
-        else:
-            after = mission.with_step(goal_id=goal.goal_id)
-            if await self.book.change(mission_id, mission, after):
-                return None
-            if not progress.has_try(self.book.get(mission_id), mission):
-                await self._cancel(goal)  # another gateway has canceled or held it before the goal was sent here
-            return None
-        await self.book.change(mission_id, mission, after)
-        return None
 
     async def _send_message(self, mission_id: str, mission: MissionEntry) -> None:
         """Call the service of the present step, or publish its message, and note how that ends."""
@@ -301,15 +253,3 @@ class MissionRunner:
             self._sent[key] = Sent(over=True, error=progress.INTERRUPTED)
         else:
             self._sent[key] = Sent(over=True)
-
-    async def _cancel(self, goal: Goal) -> Wait:
-        """Cancel the goal of a step. It is asked for again until the goal has ended."""
-        action = self._actions.get(goal.action_name)
-        if action is not None:
-            try:
-                await action.canceler.cancel(goal)
-            except GatewayError as error:
-                log.info("while canceling the goal %s of a mission: %s", goal.goal_id, error.detail)
-        if action is None or goal.status is GoalStatus.LOST:
-            self._given_up.add(goal.goal_id)
-        return Wait(WaitsFor.GOAL)

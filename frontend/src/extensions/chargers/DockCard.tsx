@@ -6,6 +6,7 @@ import { ownName } from "../../access/who";
 import { useNaming, useWhyNot } from "../../fleet/context";
 import { robotPath } from "../../fleet/names";
 import { robotsWords } from "../../fleet/robotChoice";
+import { poseWords } from "../../scene/poseDraft";
 import { RemovalDialog } from "../../ui/Dialog";
 import { CommandErrorAlert } from "../../ui/errors";
 import { ENTRY_BUTTON, ReasonButton } from "../../ui/ReasonButton";
@@ -68,6 +69,16 @@ export function DockCard({ dock, onEdit }: { dock: SharedDock; onEdit: () => voi
           <Text size="sm" c="dimmed">
             {robotsWords(dock.robots, naming)}
           </Text>
+          {dock.pose != null && (
+            <Text size="sm" c="dimmed">
+              At {poseWords(dock.pose)}
+            </Text>
+          )}
+          {dock.waiting_places.length > 0 && (
+            <Text size="sm" c="dimmed">
+              Robots wait at {dock.waiting_places.map(poseWords).join("; ")}
+            </Text>
+          )}
         </Stack>
         <Group gap="xs">
           {canBeCleared(dock) ? (
@@ -94,7 +105,7 @@ export function DockCard({ dock, onEdit }: { dock: SharedDock; onEdit: () => voi
           <ReasonButton
             {...ENTRY_BUTTON}
             reason={mayChange}
-            aria-label={`Robots of ${dock.dock_id}`}
+            aria-label={`Edit ${dock.dock_id}`}
             onClick={onEdit}
           >
             Edit

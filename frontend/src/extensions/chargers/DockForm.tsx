@@ -1,11 +1,14 @@
-import { Stack, TextInput } from "@mantine/core";
+import { Button, Fieldset, Group, Stack, Text, TextInput } from "@mantine/core";
 import { type FormEvent, useState } from "react";
 import { NameInput, ownName, setOwnName } from "../../access/who";
 import { RobotFields } from "../../fleet/RobotFields";
 import { ALL_ROBOTS, choiceBody, choiceError, type RobotChoice } from "../../fleet/robotChoice";
+import { FromRobot, PoseFields } from "../../scene/PoseFields";
+import { poseDraft, poseErrors, poseOf } from "../../scene/poseDraft";
 import { SaveBar } from "../../ui/Dialog";
 import { useDockCommands } from "./docks";
 import type { SharedDock } from "./requests";
+import { WaitingPlaces } from "./WaitingPlaces";
 import { nameError } from "./words";
 
 interface DockFormProps {
@@ -15,11 +18,13 @@ interface DockFormProps {
   onDone: () => void;
 }
 
-/** Shares a dock, or says which robots it fits. */
+/** Shares a dock, or says which robots it fits, where it is, and where robots wait for it. */
 export function DockForm({ dock, docks, onDone }: DockFormProps) {
   const { save } = useDockCommands();
   const [name, setName] = useState(dock?.dock_id ?? "");
   const [chosen, setChosen] = useState<RobotChoice>(dock?.robots ?? ALL_ROBOTS);
+  const [pose, setPose] = useState(() => dock?.pose && poseDraft(dock.pose));
+  const [places, setPlaces] = useState(dock?.waiting_places ?? []);
   const [by, setBy] = useState(ownName);
   const [tried, setTried] = useState(false);
   const taken = dock === null ? docks.map(({ dock_id }) => dock_id) : [];
@@ -28,8 +33,14 @@ export function DockForm({ dock, docks, onDone }: DockFormProps) {
     event.preventDefault();
     setTried(true);
     if (errors.name !== undefined || errors.robots !== undefined) return;
+    if (pose != null && Object.keys(poseErrors(pose)).length > 0) return;
     setOwnName(by.trim());
-    const body = { robots: choiceBody(chosen), pose: dock?.pose ?? null, by: by.trim() || null };
+    const body = {
+      robots: choiceBody(chosen),
+      pose: pose == null ? null : poseOf(pose),
+      waiting_places: places,
+      by: by.trim() || null,
+    };
     save.mutate({ id: name.trim(), body, base: dock }, { onSuccess: onDone });
   };
   return (
@@ -52,6 +63,29 @@ export function DockForm({ dock, docks, onDone }: DockFormProps) {
           error={tried ? errors.robots : undefined}
           onChange={(part) => setChosen((before) => ({ ...before, ...part }))}
         />
+        <Fieldset legend="Where it is">
+          <Stack gap="sm">
+            {pose != null && (
+              <PoseFields
+                draft={pose}
+                errors={tried ? poseErrors(pose) : {}}
+                onChange={(part) => setPose({ ...pose, ...part })}
+              />
+            )}
+            {pose == null && (
+              <Text size="sm" c="dimmed">
+                Only shown. Drive or push a robot onto the dock, then take where it stands.
+              </Text>
+            )}
+            <Group gap="sm" align="flex-end">
+              <FromRobot onPose={setPose} />
+              <Button variant="default" onClick={() => setPose(pose == null ? poseDraft(null) : null)}>
+                {pose == null ? "Type it" : "Forget it"}
+              </Button>
+            </Group>
+          </Stack>
+        </Fieldset>
+        <WaitingPlaces places={places} onChange={setPlaces} />
         <NameInput value={by} description="Shown with the dock." onChange={setBy} />
         <SaveBar save={save} onCancel={onDone} />
       </Stack>

@@ -44,7 +44,7 @@ export default function DocksPage() {
       <Dialog
         opened={edited !== undefined}
         onClose={close}
-        title={edited ? `Robots of ${edited.dock_id}` : "Share a dock"}
+        title={edited ? `Edit ${edited.dock_id}` : "Share a dock"}
       >
         {edited !== undefined && <DockForm dock={edited} docks={docks ?? []} onDone={close} />}
       </Dialog>

@@ -5,6 +5,7 @@ type Schemas = components["schemas"];
 
 /** A dock that several robots share. */
 export type SharedDock = Schemas["SharedDock"];
+export type DockPose = Schemas["DockPose"];
 export type DockState = Schemas["DockState"];
 /** What a client says of a dock. */
 export type DockBody = paths["/shared-docks/{dock_id}"]["put"]["requestBody"]["content"]["application/json"];

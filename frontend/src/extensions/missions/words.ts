@@ -235,6 +235,8 @@ export function nowWords(mission: Mission, charge: number | null, now: number): 
   if (mission.status === "canceling") return "Its goal is being canceled.";
   const step = mission.steps[mission.step];
   if (mission.waits_for === null || step === undefined) return "";
+  if (mission.wait_at != null)
+    return mission.waits_for === "dock" ? WAITS.dock : "Driving to where it waits for the dock";
   if (mission.recharge !== null) return rechargeWords(mission, charge);
   if (mission.waits_for === "battery" && step.wait?.battery != null) {
     const goal = `goes on at ${percentWords(step.wait.battery)}`;

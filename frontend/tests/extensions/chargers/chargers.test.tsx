@@ -1,17 +1,20 @@
-import { screen, waitFor } from "@testing-library/react";
+import { screen, waitFor, within } from "@testing-library/react";
 import { describe, expect, it, vi } from "vitest";
 import type { SharedDock } from "../../../src/extensions/chargers/requests";
 import { canBeCleared, holderWords, nameError } from "../../../src/extensions/chargers/words";
 // Loaded on demand by the page: on a busy machine its first import takes longer than a test waits.
 import "../../../src/extensions/chargers/DocksPage";
 import type { Naming } from "../../../src/fleet/names";
+import { at, emptyScene, robot } from "../../events";
 import { fakeGateway, renderPage } from "../../page";
+import { streams, tell } from "../../streams";
 
 const LAB: SharedDock = {
   dock_id: "lab",
   etag: '"1"',
   robots: { all: true, names: [], groups: [] },
   pose: null,
+  waiting_places: [],
   changed_by: "Ada",
   changed_at: "2026-11-30T09:00:00Z",
   state: "occupied",
@@ -22,7 +25,7 @@ const LAB: SharedDock = {
   out_of_order_at: null,
   note: null,
   failures: 0,
-  waiting: [{ robot: "/robot2", since_at: "2026-11-30T10:05:00Z", battery: 0.2 }],
+  waiting: [{ robot: "/robot2", since_at: "2026-11-30T10:05:00Z", battery: 0.2, wait_at: null }],
 };
 const NAMING = { nameOf: (robot: string) => robot } as Naming;
 
@@ -41,7 +44,7 @@ function answering(docks: SharedDock[]) {
   return asked;
 }
 
-const open = () => renderPage(fakeGateway(), {}, "/ui/docks");
+const open = () => renderPage(fakeGateway(), { robots: [robot("/robot1")] }, "/ui/docks");
 
 describe("the words", () => {
   it("say who has a dock, and what to do", () => {
@@ -78,6 +81,38 @@ describe("the page", () => {
       method: "PUT",
       path: "/shared-docks/lab",
       body: { robots: { all: true } },
+    });
+  });
+
+  it("learns where it is and where robots wait for it", async () => {
+    const asked = answering([{ ...LAB, pose: { frame: "map", x: 1, y: 2.5, theta: 0 } }]);
+    const { user } = open();
+    expect(await screen.findByText("At x 1 m, y 2.5 m")).toBeDefined();
+    await user.click(screen.getByRole("button", { name: "Edit lab" }));
+    const where = within(await screen.findByRole("group", { name: "Where it is" }));
+    await user.click(where.getByRole("button", { name: "Forget it" }));
+    await user.click(where.getByRole("button", { name: /Use where/ }));
+    await waitFor(() => expect(streams.some(({ url }) => url.includes("scene"))).toBe(true));
+    tell({
+      type: "scene",
+      robot: "/robot1",
+      time: at(0),
+      scene: { ...emptyScene, robot: { x: 4, y: 1.5, theta: Math.PI / 2 } },
+    });
+    await waitFor(() => expect(where.getByLabelText("X")).toHaveProperty("value", "4 m"));
+    const waiting = within(screen.getByRole("group", { name: "Where robots wait for it" }));
+    await user.click(waiting.getByRole("button", { name: "Type a place" }));
+    await user.click(waiting.getByRole("button", { name: "Add it" }));
+    expect(await waiting.findAllByText("A number of metres")).toHaveLength(2);
+    await user.type(waiting.getByLabelText("X"), "6");
+    await user.type(waiting.getByLabelText("Y"), "-1");
+    await user.click(waiting.getByRole("button", { name: "Add it" }));
+    expect(waiting.getByText("x 6 m, y -1 m")).toBeDefined();
+    await user.click(screen.getByRole("button", { name: "Save" }));
+    await waitFor(() => expect(asked).toHaveLength(1));
+    expect(asked[0]?.body).toMatchObject({
+      pose: { frame: "map", x: 4, y: 1.5 },
+      waiting_places: [{ frame: "map", x: 6, y: -1, theta: 0 }],
     });
   });
 

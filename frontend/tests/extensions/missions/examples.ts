@@ -74,6 +74,7 @@ export const NIGHT: Mission = {
   status: "running",
   held_for: null,
   pausing: false,
+  wait_at: null,
   step: 0,
   error: null,
   template: null,

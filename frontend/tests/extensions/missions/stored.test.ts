@@ -1,11 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { newStep } from "../../../src/extensions/missions/draft";
-import {
-  bodyOf as placeBody,
-  errorsOf as placeErrors,
-  poseWords,
-} from "../../../src/extensions/missions/places/places";
-import { placeIn } from "../../../src/extensions/missions/places/robotPose";
+import { bodyOf as placeBody, errorsOf as placeErrors } from "../../../src/extensions/missions/places/places";
 import {
   failureWords,
   missionWords,
@@ -34,6 +29,8 @@ import {
 } from "../../../src/extensions/missions/templates/templates";
 import { asFields, asJson, stepsFrom, stepsOf } from "../../../src/extensions/missions/written";
 import { stepErrors } from "../../../src/extensions/missions/wrong";
+import { poseWords } from "../../../src/scene/poseDraft";
+import { placeIn } from "../../../src/scene/robotPose";
 
 const NOW = Date.parse("2026-11-30T03:00:00Z");
 const FETCH: NamedTemplate = {
@@ -220,7 +217,7 @@ describe("places", () => {
     expect(placeErrors(draft)).toEqual({});
     const body = placeBody(draft, null);
     expect(body.yaw).toBeCloseTo(Math.PI / 2);
-    expect(poseWords({ x: 1.5, y: -2, yaw: Math.PI / 2, frame: "map" })).toBe("x 1.5 m, y -2 m, 90°");
+    expect(poseWords({ x: 1.5, y: -2, theta: Math.PI / 2, frame: "map" })).toBe("x 1.5 m, y -2 m, 90°");
     expect(Object.keys(placeErrors({ name: "", x: "", y: 2e6, heading: 400, frame: " " }))).toEqual([
       "name",
       "x",

@@ -8,8 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from nav2_msgs.action import NavigateToPose
+from rclpy.node import Node
 
+from docking.ros.process import Spinner
+from tests.support.docking_servers import Server
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_gateway, running_program
+from tests.support.observer import ros_nodes
 from tests.support.waiting import PATIENCE, wait_until
 
 pytestmark = pytest.mark.ros
@@ -109,6 +114,53 @@ def test_one_robot_has_the_dock_and_a_mission_waits_until_it_has_left_also_over_
         battery(gateway, "/robot2", CHARGING)
         wait_until(lambda: mission(gateway, waiting)["status"] == "succeeded", "the end of the mission")
         until(gateway, "occupied", "/robot2")
+
+
+@contextmanager
+def navigator(domain: int, robot: str) -> Iterator[list[tuple[str, float, float]]]:
+    """A server of `navigate_to_pose` that a second takes for each goal; yields where it has been sent."""
+    sent: list[tuple[str, float, float]] = []
+    with ros_nodes(domain) as context:
+        node = Node("bt_navigator", namespace=robot, context=context)
+        server = Server(node)
+
+        async def navigate(handle: Any) -> NavigateToPose.Result:
+            pose = handle.request.pose
+            sent.append((pose.header.frame_id, pose.pose.position.x, pose.pose.position.y))
+            async for _ in server.steps(1.0):
+                pass
+            handle.succeed()
+            return NavigateToPose.Result()
+
+        served = server.serve(NavigateToPose, "navigate_to_pose", navigate, lambda: True)
+        with Spinner(context, [node]) as spinner:
+            try:
+                yield sent
+            finally:
+                spinner.call(served.destroy).result(PATIENCE)
+
+
+@pytest.mark.usefixtures("servers")
+def test_a_robot_on_a_mission_waits_where_the_dock_says(domain: int, tmp_path: Path) -> None:
+    with navigator(domain, "/robot2") as drives, two_robots(domain, tmp_path) as gateway:
+        bays = {"waiting_places": [{"x": 4.0, "y": 1.5, "theta": 1.57}]}
+        gateway.http.put("/shared-docks/lab", json=bays).raise_for_status()
+        wait_until(
+            lambda: gateway.http.get("/actions/robot2/navigate_to_pose").status_code == 200, "nav2 at the gateway"
+        )
+        sent = send(gateway, "dock", "/robot1", LAB)
+        assert sent.status_code == 202, sent.text
+        answer = gateway.http.post("/missions", params={"robot": "/robot2"}, json={"steps": [{"dock": LAB}]})
+        waiting: str = answer.raise_for_status().json()["mission_id"]
+        wait_until(lambda: mission(gateway, waiting)["waits_for"] == "dock", "the mission at its place")
+        assert mission(gateway, waiting)["wait_at"] == {"x": 4.0, "y": 1.5, "yaw": 1.57, "frame": "map"}
+        assert dock(gateway)["waiting"][0]["wait_at"] == {"x": 4.0, "y": 1.5, "theta": 1.57, "frame": "map"}
+        assert drives == [("map", 4.0, 1.5)]
+        gateway.http.post(f"/goals/{sent.json()['goal_id']}/cancel").raise_for_status()
+        until(gateway, "reserved", "/robot2")
+        battery(gateway, "/robot2", CHARGING)
+        wait_until(lambda: mission(gateway, waiting)["status"] == "succeeded", "the end of the mission")
+        assert (mission(gateway, waiting)["wait_at"], len(drives)) == (None, 1)
 
 
 @pytest.mark.usefixtures("servers")

@@ -23,6 +23,10 @@ def test_a_dock_by_commands(domain: int) -> None:
         assert (code, printed.strip()) == (0, "lab free: Nobody has the dock.")
         stored = gateway.http.get("/shared-docks/lab").json()["robots"]
         assert (stored["names"], stored["groups"], stored["all"]) == (["/robot1"], ["hall 1"], False)
+        assert say("enter", "lab", "--waiting-place", "4", "1.5", "1.57")[0] == 0
+        changed = gateway.http.get("/shared-docks/lab").json()
+        assert changed["waiting_places"] == [{"frame": "map", "x": 4.0, "y": 1.5, "theta": 1.57}]
+        assert changed["robots"]["names"] == ["/robot1"]
         assert say("report", "lab", "--out-of-order", "The cable is loose")[0] == 0
         assert "The cable is loose" in say("list")[1]
         assert say("report", "lab", "--in-order", "--occupied-by", "unknown")[0] == 0

@@ -1,7 +1,7 @@
 import type { GatewayEvent, Pose, Scene } from "@dock-gateway/client";
-import { compose, inverse } from "../../../store/geometry";
-import { openStream, streamUrl } from "../../../stream/stream";
-import { degrees, type PlaceDraft } from "./places";
+import { compose, inverse } from "../store/geometry";
+import { openStream, streamUrl } from "../stream/stream";
+import { degrees, type PoseDraft } from "./poseDraft";
 
 /** How long a robot's pose, and a map that it is in, are waited for, in ms. */
 const POSE_MS = 4000;
@@ -15,7 +15,7 @@ interface Located {
 }
 
 /** Where a robot stands now; null where that is not known. */
-export function robotPose(robot: string): Promise<Partial<PlaceDraft> | null> {
+export function robotPose(robot: string): Promise<PoseDraft | null> {
   return new Promise((resolve) => {
     let scene: Scene | null = null;
     let located: Located | null = null;
@@ -40,15 +40,15 @@ export function robotPose(robot: string): Promise<Partial<PlaceDraft> | null> {
   });
 }
 
-/** A robot's pose in its map as a place has it; that in a simulated world where there is no map; null for neither. */
-export function placeIn(scene: Scene, located: Located | null): Partial<PlaceDraft> | null {
+/** A robot's pose in its map as it is typed; that in a simulated world where there is no map; null for neither. */
+export function placeIn(scene: Scene, located: Located | null): PoseDraft | null {
   const start = scene.frame === "odom" ? { x: 0, y: 0, theta: 0 } : scene.odom;
   if (located?.odom != null && start !== null)
     return rounded(compose(located.odom, compose(inverse(start), scene.robot)), located.map?.frame ?? "map");
   return scene.frame === "world" ? rounded(scene.robot, "map") : null;
 }
 
-function rounded({ x, y, theta }: Pose, frame: string): Partial<PlaceDraft> {
+function rounded({ x, y, theta }: Pose, frame: string): PoseDraft {
   const metres = (value: number) => Math.round(value * 1000) / 1000;
   return { x: metres(x), y: metres(y), heading: degrees(theta), frame };
 }
