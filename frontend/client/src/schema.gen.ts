@@ -4590,6 +4590,8 @@ export interface components {
              * @default true
              */
             enabled: boolean;
+            /** Group */
+            group: string | null;
             mission: components["schemas"]["MissionContent"];
             once: components["schemas"]["Once"] | null;
             daily: components["schemas"]["Daily"] | null;
@@ -4597,7 +4599,7 @@ export interface components {
             /** @default skip */
             if_running: components["schemas"]["IfRunning"];
             /** Robot */
-            robot: string;
+            robot: string | null;
             last: components["schemas"]["ScheduleOutcome"] | null;
             /** Changed By */
             changed_by: string | null;
@@ -12420,6 +12422,7 @@ export interface operations {
                     name?: string | null;
                     /** @default true */
                     enabled?: boolean;
+                    group?: string | null;
                     /**
                      * @description What a mission is: `steps`, or a `template` by its id, with `arguments` for its parameters.
                      *

@@ -209,10 +209,15 @@ def schedules() -> None:
         print_json(found)
         return
     rows = [
-        (each["id"], each["robot"], each["name"] or "", each["next_at"] or "-", _outcome(each["last"]))
+        (each["id"], _taker(each), each["name"] or "", each["next_at"] or "-", _outcome(each["last"]))
         for each in found["schedules"]
     ]
     print_table(("SCHEDULE", "ROBOT", "NAME", "NEXT", "LAST"), rows, "no schedules")
+
+
+def _taker(schedule: dict[str, Any]) -> str:
+    robot: str | None = schedule["robot"]
+    return robot or f"any of {schedule['group']}"
 
 
 def _outcome(last: dict[str, Any] | None) -> str:

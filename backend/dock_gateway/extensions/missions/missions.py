@@ -176,14 +176,16 @@ class Missions:
                 mission = mission.but(status=MissionStatus.HELD, held_for=HoldReason.APPROVAL)
         return mission
 
-    async def covers(self, content: MissionContent, robot: str, grant: Grant) -> bool:
-        """Return whether a grant covers all that a mission would use; not so if it could not be made.
+    async def covers(self, content: MissionContent, robot: str | None, grant: Grant, group: str | None = None) -> bool:
+        """Return whether a grant covers all that a mission would use, and its robot or those of its group.
+
+        Not so if it could not be made.
 
         Raises:
             Unavailable: The history does not answer (`history_unavailable`).
         """
         try:
-            mission = content.entry(robot, await self._fill(content, grant))
+            mission = content.entry(robot, await self._fill(content, grant)).model_copy(update={"group": group})
         except (InvalidField, NotFound):
             return False
         return covers(mission, grant, self._robot_actions, self._members)

@@ -26,6 +26,7 @@ const EVERY: NamedSchedule = {
   name: "Sweep",
   enabled: true,
   robot: "/robot1",
+  group: null,
   mission: { name: null, priority: null, battery: null, steps: [], template: null, arguments: null },
   once: null,
   daily: null,
@@ -119,6 +120,18 @@ describe("the axis", () => {
 
 describe("the rows", () => {
   const ran: Mission = { ...FAILED, mission_id: "r", schedule: "sweep", status: "succeeded", error: null };
+
+  it("are one for each group whose missions no robot has begun", () => {
+    const any = { ...QUEUED, mission_id: "g", robot: null, group: "pickers" };
+    const plans = plansOf([{ ...EVERY, robot: null, group: "cleaners" }], NOW, dayAround(NOW).to);
+    const rows = rowsOf(["/robot1"], [any], plans, NOW);
+    expect(rows.map(({ robot, group, next }) => robot ?? `${group} ${next}`)).toEqual([
+      "/robot1",
+      "cleaners 0",
+      "pickers 1",
+    ]);
+    expect(rows[1]?.bars.map(({ kind }) => kind)).toEqual(["planned", "planned", "planned", "planned"]);
+  });
 
   it("are one for each robot, with missions from their start to their end or to now, and what is planned", () => {
     const plans = plansOf([EVERY], NOW, dayAround(NOW).to);

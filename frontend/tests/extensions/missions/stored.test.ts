@@ -53,6 +53,7 @@ const NIGHT: NamedSchedule = {
   name: "Night",
   enabled: true,
   robot: "/robot1",
+  group: null,
   mission: {
     name: null,
     priority: 70,
@@ -171,11 +172,14 @@ describe("schedules", () => {
   it("stores what was read", () => {
     const { id, etag, last, next_at, changed_by, changed_at, ...fields } = NIGHT;
     const { steps, ...mission } = fields.mission;
-    const { once: _once, every: _every, ...times } = fields;
+    const { once: _once, every: _every, group: _group, ...times } = fields;
     const draft = scheduleDraft(NIGHT, "/", NOW);
     expect(scheduleErrors(draft, [FETCH])).toEqual({});
     expect(scheduleBody(draft, [FETCH], true, "Ada")).toEqual({ ...times, mission, by: "Ada" });
     expect(withEnabled(NIGHT, false, null)).toEqual({ ...fields, enabled: false, by: null });
+    const grouped = scheduleBody({ ...draft, group: "pickers" }, [FETCH], true, null);
+    expect(grouped).toMatchObject({ group: "pickers" });
+    expect(grouped).not.toHaveProperty("robot");
     const hourly: NamedSchedule = { ...NIGHT, daily: null, every: { minutes: 90 }, if_running: "queue" };
     expect(scheduleBody(scheduleDraft(hourly, "/", NOW), [FETCH], true, null)).toMatchObject({
       every: { minutes: 90 },

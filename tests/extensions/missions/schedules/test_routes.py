@@ -38,6 +38,8 @@ def test_a_schedule_is_stored_switched_off_and_removed(client: Client) -> None:
     assert one(client, "PUT", "night", 412, json=NIGHT, headers=fresh)["code"] == "changed_meanwhile"
     one(client, "PUT", "day", 201, json={"mission": MISSION, **HOURLY, "robot": "/robot1"})
     assert [each["id"] for each in client.send("GET", "/schedules")["schedules"]] == ["day", "night"]
+    grouped = one(client, "PUT", "day", json={"mission": MISSION, **HOURLY, "group": "pickers"})
+    assert (grouped["robot"], grouped["group"]) == (None, "pickers")
     one(client, "DELETE", "night", 204)
     assert one(client, "GET", "night", 404)["code"] == "schedule_not_found"
 
@@ -55,6 +57,8 @@ def test_a_schedule_is_stored_switched_off_and_removed(client: Client) -> None:
         ({"daily": DAILY["daily"] | {"time_zone": "Europe/Atlantis"}}, "daily.time_zone"),
         ({"if_running": "wait"}, "if_running"),
         ({"robot": "robot 1"}, "robot"),
+        ({"robot": "/robot1", "group": "pickers"}, "group"),
+        ({"group": ""}, "group"),
         ({"mission": {}}, "mission"),
         ({"mission": {"steps": [{"fly": {}}]}}, "mission.steps.0.fly"),
         ({"mission": {"steps": [{"navigate": {"place": "shelf"}}]}}, "mission.steps.0.navigate.place"),

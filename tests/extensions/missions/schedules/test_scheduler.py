@@ -5,6 +5,9 @@ from datetime import datetime, timedelta
 from types import SimpleNamespace
 from typing import Any, cast
 
+import pytest
+from pydantic import ValidationError
+
 from dock_gateway.core.errors import GatewayError, NotFound, Unavailable, limit_reached
 from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.grant import Grant
@@ -16,6 +19,7 @@ from dock_gateway.extensions.missions.schedules.schedule import ScheduleEntry
 from dock_gateway.extensions.missions.schedules.scheduler import Scheduler
 from dock_gateway.extensions.missions.schedules.schedules import BY_THEMSELVES, Schedules
 from dock_gateway.extensions.missions.schema import MissionContent
+from dock_gateway.extensions.missions.turns import RobotFacts, find_turns
 from dock_gateway.storage.shared_entries import SharedBook
 from tests.extensions.missions.examples import NOON
 from tests.extensions.missions.schedules.examples import body
@@ -32,11 +36,13 @@ class Missions:
         self.book = MissionBook(Fanout(queue_limit=1), site.missions, site.past, lambda *_: True)
         self.refuses: list[GatewayError] = []
 
-    async def make(self, content: MissionContent, robot: str, _: Grant, by: str | None) -> MissionEntry:
+    async def make(
+        self, content: MissionContent, robot: str | None, _: Grant, by: str | None, group: str | None = None
+    ) -> MissionEntry:
         await asyncio.sleep(0.01)
         if self.refuses:
             raise self.refuses.pop(0)
-        return content.entry(robot, by=by)
+        return content.entry(robot, by=by).model_copy(update={"group": group})
 
     async def queue(self, mission_id: str, mission: MissionEntry) -> None:
         await self.book.add(mission_id, mission)
@@ -224,3 +230,37 @@ async def test_a_released_stop_starts_no_mission_of_a_schedule() -> None:
     await site.put(if_running="queue")  # stored anew since: that is somebody's word, too
     await asyncio.sleep(HOUR)
     assert [*site.missions.known.values()][-1].status is MissionStatus.QUEUED
+
+
+@in_virtual_time
+async def test_missions_for_a_group_are_queued_once_and_begin_on_no_robot_that_was_stopped_since() -> None:
+    site = Site(gateways=2)
+    await site.put(group="pickers")
+    stored_at = site.now()
+    site.there = False  # whose robots are there does not count
+    await asyncio.sleep(60)
+    site.last_stops.note("/robot1", site.now())
+    await asyncio.sleep(HOUR)
+    (mission,) = site.missions.known.values()
+    assert (mission.robot, mission.group, mission.status) == (None, "pickers", MissionStatus.QUEUED)
+    stopped = RobotFacts(("pickers",), free=True, charge=0.9, stopped_at=site.last_stops.at("/robot1"))
+    assert mission.allowed_since == stored_at
+    assert find_turns(site.missions.known, {"/robot1": stopped}).on == {}
+    other = RobotFacts(("pickers",), free=True, charge=0.5)
+    turns = find_turns(site.missions.known, {"/robot1": stopped, "/robot2": other})
+    assert [*turns.on] == ["/robot2"]
+
+
+@in_virtual_time
+async def test_a_schedule_for_a_group_that_fails_is_an_alert_of_no_robot() -> None:
+    site = Site()
+    await site.put(group="pickers")
+    site.gateways[0][1].refuses = [limit_reached(500, "missions")]
+    await asyncio.sleep(HOUR + 10)
+    (alert,) = site.gateways[0][0].alerts()
+    assert (alert.robot, "there are 500 missions" in alert.detail) == (None, True)
+
+
+def test_a_schedule_is_for_a_robot_or_a_group() -> None:
+    with pytest.raises(ValidationError, match="a robot or a group"):
+        body(robot="/robot1", group="pickers")

@@ -9,7 +9,7 @@ from pydantic import ConfigDict, JsonValue, model_validator
 from dock_gateway.extensions.missions.schedules.times import Daily, Every, Once
 from dock_gateway.extensions.missions.schema import MissionContent
 from dock_gateway.extensions.missions.step_kinds import require_one
-from dock_gateway.http.bodies import Name60, RobotName
+from dock_gateway.http.bodies import GroupName, Name60, RobotName, expected
 from dock_gateway.http.resource import Versioned
 from dock_gateway.http.schema import RosName, Schema
 
@@ -41,10 +41,14 @@ class ScheduleOutcome(Schema):
 
 
 class ScheduleFields(Schema):
-    """The fields of a schedule. One of `once`, `daily` and `every` says when; `name` is shown instead of its id."""
+    """The fields of a schedule. One of `once`, `daily` and `every` says when; `name` is shown instead of its id.
+
+    `group`: a robot of this group takes each of its missions, whichever is free; null: its robot does.
+    """
 
     name: Name60 | None = None
     enabled: bool = True
+    group: GroupName | None = None
     mission: MissionContent
     once: Once | None = None
     daily: Daily | None = None
@@ -66,9 +70,9 @@ class ScheduleFields(Schema):
 
 
 class ScheduleState(ScheduleFields):
-    """A schedule, and what came of it. `robot` is that of its missions."""
+    """A schedule, and what came of it. `robot` is that of its missions; null if they are for a group."""
 
-    robot: RosName
+    robot: RosName | None
     last: ScheduleOutcome | None = None
     changed_by: str | None
     changed_at: datetime
@@ -94,18 +98,24 @@ class ScheduleEntry(ScheduleState):
 
 
 class ScheduleBody(ScheduleFields):
-    """A schedule that is stored, for the configured robot by default. `by` is who changes it."""
+    """A schedule that is stored; without a `robot` and a `group` for the configured robot. `by` is who changes it."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [EXAMPLE, EVERY_EXAMPLE]})
 
     robot: RobotName | None = None
     by: Name60 | None = None
 
-    def entry(self, robot: str, now: datetime, last: ScheduleOutcome | None) -> ScheduleEntry:
+    @model_validator(mode="after")
+    def _is_for_one(self) -> Self:
+        if self.robot is not None and self.group is not None:
+            raise expected("a robot or a group", "got both", path="group")
+        return self
+
+    def entry(self, robot: str | None, now: datetime, last: ScheduleOutcome | None) -> ScheduleEntry:
         """Return the schedule, changed now. What was due before does not count.
 
         Args:
-            robot: The namespace of its robot.
+            robot: The namespace of its robot; None: it is for its group.
             now: The time.
             last: What came of it before.
         """

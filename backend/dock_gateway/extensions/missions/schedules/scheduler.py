@@ -82,7 +82,8 @@ class Scheduler:
     def _look(self) -> None:
         now = self._clock()
         for schedule_id, schedule in self._book.all().items():
-            due = schedule.next_due if self._share.covers_robot(schedule.robot) else None
+            ours = schedule.robot is None or self._share.covers_robot(schedule.robot)
+            due = schedule.next_due if ours else None
             if due is not None and due <= now and schedule_id not in self._busy:
                 self._busy.add(schedule_id)
                 self._tasks.spawn(self._follow(schedule_id))
@@ -120,10 +121,12 @@ class Scheduler:
         code = detail = None
         try:
             if not await self._is_queued(run.mission_id):
-                self._robots.get(schedule.robot)
-                mission = await self._missions.make(schedule.mission, schedule.robot, UNLIMITED, None)
-                held = await self._held(schedule)
-                await self._missions.queue(run.mission_id, mission.model_copy(update={"schedule": schedule_id, **held}))
+                if schedule.robot is not None:
+                    self._robots.get(schedule.robot)
+                mission = await self._missions.make(schedule.mission, schedule.robot, UNLIMITED, None, schedule.group)
+                allowed = await self._allowed(schedule)
+                queued = mission.model_copy(update={"schedule": schedule_id, **allowed})
+                await self._missions.queue(run.mission_id, queued)
         except Unavailable:
             raise
         except GatewayError as error:
@@ -136,12 +139,16 @@ class Scheduler:
         mission_id = run.mission_id if code is None else None
         return ScheduleOutcome(due_at=run.due_at, decided_at=now, mission_id=mission_id, code=code, detail=detail)
 
-    async def _held(self, schedule: ScheduleEntry) -> dict[str, Any]:
-        """Return the fields of a mission that waits for a person, as its robot was stopped and nobody let it go on.
+    async def _allowed(self, schedule: ScheduleEntry) -> dict[str, Any]:
+        """Return the fields of a mission that say whom a person has let begin it: who has stored the schedule.
+
+        It waits for a person if its robot was stopped since, and nobody has let that go on.
 
         Raises:
             Unavailable: The history does not answer.
         """
+        if schedule.robot is None:
+            return {"allowed_at": schedule.changed_at}
         await self._last_stops.read()
         stopped_at = self._last_stops.at(schedule.robot)
         if stopped_at is None or stopped_at < schedule.changed_at:

@@ -81,17 +81,17 @@ class Schedules:
             Unavailable: The history does not answer (`history_unavailable`); the schedule is what it was.
         """
         known = (await self.book.read()).get(schedule_id)
-        robot = body.robot or self._robots.find(None)
-        if known is None or known.robot != robot:
+        robot = None if body.group is not None else body.robot or self._robots.find(None)
+        if robot is not None and (known is None or known.robot != robot):
             self._robots.get(robot)
         with fields_of_a_message("mission"):
-            await self._missions.make(body.mission, robot, grant, None)
+            await self._missions.make(body.mission, robot, grant, None, body.group)
         schedule = body.entry(robot, self._clock(), None if known is None else known.last)
         if schedule.enabled and schedule.next_due is None:
             raise InvalidField([FieldError("once.due_at", "a time to come", "it is over")])
         new = await self.book.replace(schedule_id, schedule, condition=condition)
         state = "on" if schedule.enabled else "off"
-        log.info("schedule %s for %s: %s, by %s", schedule_id, robot, state, schedule.changed_by)
+        log.info("schedule %s for %s: %s, by %s", schedule_id, robot or body.group, state, schedule.changed_by)
         return self._document(schedule_id, schedule), new
 
     async def remove(self, schedule_id: str, condition: Condition = UNCONDITIONAL) -> None:
@@ -106,8 +106,11 @@ class Schedules:
         log.info("schedule %s removed", schedule_id)
 
     def alerts(self) -> Iterator[Alert]:
-        """Return an alert for each robot with schedules that could not queue a mission the last time."""
-        failed: dict[str, list[tuple[datetime, str]]] = {}
+        """Return an alert for each robot with schedules that could not queue a mission the last time.
+
+        Those for groups are an alert of no robot.
+        """
+        failed: dict[str | None, list[tuple[datetime, str]]] = {}
         for schedule_id, schedule in sorted(self.book.all().items()):
             last = schedule.last
             if last is None or last.code in (None, STILL_RUNNING) or not schedule.enabled:
@@ -121,9 +124,7 @@ class Schedules:
     async def _covers(self, schedule: ScheduleEntry, grant: Grant) -> bool:
         if not grant.limited:
             return True
-        return grant.covers_robot(schedule.robot) and await self._missions.covers(
-            schedule.mission, schedule.robot, grant
-        )
+        return await self._missions.covers(schedule.mission, schedule.robot, grant, schedule.group)
 
     def _document(self, schedule_id: str, schedule: ScheduleEntry) -> dict[str, Any]:
         return {

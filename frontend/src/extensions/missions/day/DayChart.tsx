@@ -7,6 +7,7 @@ import { robotPath } from "../../../fleet/names";
 import { Section } from "../../../ui/Section";
 import { Tool } from "../../../ui/Tool";
 import { clockOf } from "../../../ui/time";
+import { takerWords } from "../words";
 import { axisOf, movedMiddle, SPANS, type Span, ticksOf } from "./axis";
 import { keyOf, lanesOf, type Period, placeOf, type Row } from "./bars";
 import { DayBar } from "./DayBar";
@@ -76,7 +77,7 @@ export function DayChart({ rows, day, now }: DayChartProps) {
         <ol className={classes.rows} aria-label="Robots">
           {rows.map((row) => (
             <RobotRow
-              key={row.robot}
+              key={row.robot ?? `any of ${row.group}`}
               row={row}
               lanes={lanesOf(row.bars, axis, least, MOST_LANES)}
               {...{ axis, ticks, now }}
@@ -97,16 +98,22 @@ interface RobotRowProps {
   now: number;
 }
 
-function RobotRow({ row: { robot, next }, lanes, axis, ticks, now }: RobotRowProps) {
+function RobotRow({ row: { robot, group, next }, lanes, axis, ticks, now }: RobotRowProps) {
   const id = useId();
-  const name = useNaming().nameOf(robot);
+  const name = takerWords({ robot, group }, useNaming());
   const isNowSeen = now >= axis.from && now < axis.to;
   return (
     <li className={classes.row} aria-labelledby={id}>
       <div className={classes.robot}>
-        <Anchor component={Link} to={robotPath(robot)} id={id} size="sm" fw={600}>
-          {name}
-        </Anchor>
+        {robot === null ? (
+          <Text id={id} size="sm" fw={600}>
+            {name}
+          </Text>
+        ) : (
+          <Anchor component={Link} to={robotPath(robot)} id={id} size="sm" fw={600}>
+            {name}
+          </Anchor>
+        )}
         {next > 0 && (
           <Anchor component={Link} to="/ui/missions" size="xs">
             {next} next

@@ -4,6 +4,7 @@ import { useNaming } from "../../../fleet/context";
 import { Section } from "../../../ui/Section";
 import { MissionBadge, missionPath } from "../MissionCard";
 import { hasEnded } from "../queue";
+import { takerWords } from "../words";
 import { type Bar, keyOf, type Row } from "./bars";
 import classes from "./day.module.css";
 import { barName, periodWords, plannedWords, stateWords, stepStates } from "./dayWords";
@@ -11,10 +12,10 @@ import { barName, periodWords, plannedWords, stateWords, stepStates } from "./da
 /** The missions of a day as a list for each robot, the latest first, then what is planned. */
 export function DayList({ rows }: { rows: readonly Row[] }) {
   const naming = useNaming();
-  return rows.map(({ robot, bars, next }) => (
+  return rows.map(({ robot, group, bars, next }) => (
     <Section
-      key={robot}
-      title={naming.nameOf(robot)}
+      key={robot ?? `any of ${group}`}
+      title={takerWords({ robot, group }, naming)}
       aside={
         next > 0 && (
           <Anchor component={Link} to="/ui/missions" size="sm">
@@ -28,7 +29,7 @@ export function DayList({ rows }: { rows: readonly Row[] }) {
           No missions today
         </Text>
       ) : (
-        <ul className={classes.list} aria-label={`Missions of ${naming.nameOf(robot)}`}>
+        <ul className={classes.list} aria-label={`Missions of ${takerWords({ robot, group }, naming)}`}>
           {[...begun(bars).reverse(), ...bars.filter(({ kind }) => kind === "planned")].map((bar) => (
             <Entry key={keyOf(bar)} bar={bar} />
           ))}

@@ -39,16 +39,18 @@ export function keyOf(bar: Bar | Bundle): string {
   return `from ${bar.bars[0] === undefined ? bar.from : keyOf(bar.bars[0])}`;
 }
 
-/** The bars of a robot, by their start. */
+/** The bars of a robot, by their start; of a group those that no robot has begun. */
 export interface Row {
-  robot: string;
+  /** Null for a group. */
+  robot: string | null;
+  group: string | null;
   bars: Bar[];
   /** How many of its missions have not begun. */
   next: number;
 }
 
 /**
- * A row for each robot, by name.
+ * A row for each robot, by name, and for each group for which there is something.
  *
  * @param robots Those that are there.
  * @param now In the gateway's time (ms).
@@ -59,20 +61,24 @@ export function rowsOf(
   plans: readonly Plan[],
   now: number,
 ): Row[] {
-  const names = [
-    ...robots,
-    ...missions.flatMap(({ robot }) => robot ?? []),
-    ...plans.map(({ schedule }) => schedule.robot),
+  const queued = missions.filter((mission) => mission.started_at === null && !hasEnded(mission));
+  const due = plans.map(({ schedule }) => schedule);
+  const names = [...robots, ...[...missions, ...due].flatMap(({ robot }) => robot ?? [])];
+  const groups = [...queued, ...due].flatMap(({ robot, group }) => (robot === null ? (group ?? []) : []));
+  const takers = [
+    ...[...new Set(names)].sort(byName).map((robot) => ({ robot, group: null })),
+    ...[...new Set(groups)].sort(byName).map((group) => ({ robot: null, group })),
   ];
-  return [...new Set(names)].sort(byName).map((robot) => {
-    const own = missions.filter((mission) => mission.robot === robot);
-    const begun = own.flatMap((mission) => barOf(mission, now) ?? []);
+  return takers.map((taker) => {
+    const isIts = ({ robot, group }: Pick<Mission, "robot" | "group">) =>
+      taker.robot === null ? robot === null && group === taker.group : robot === taker.robot;
+    const begun = missions.filter(isIts).flatMap((mission) => barOf(mission, now) ?? []);
     const planned = plannedBars(
-      plans.filter(({ schedule }) => schedule.robot === robot),
+      plans.filter(({ schedule }) => isIts(schedule)),
       missions,
     );
-    const next = own.filter((mission) => mission.started_at === null && !hasEnded(mission)).length;
-    return { robot, bars: [...begun, ...planned].sort((one, other) => one.from - other.from), next };
+    const bars = [...begun, ...planned].sort((one, other) => one.from - other.from);
+    return { ...taker, bars, next: queued.filter(isIts).length };
   });
 }
 

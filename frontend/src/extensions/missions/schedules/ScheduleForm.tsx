@@ -11,9 +11,9 @@ import { EntryForm } from "../../../entries/EntryForm";
 import { useFleet, useFleetPart } from "../../../fleet/context";
 import { defaultRobot } from "../../../fleet/names";
 import { TimesOfDayFields } from "../../../ui/TimesOfDayFields";
-import { RobotField } from "../RobotField";
 import { StepList } from "../StepList";
 import { useStoredCommands } from "../stored";
+import { TakerField, useExampleRobot } from "../TakerField";
 import { ArgumentFields } from "../templates/ArgumentFields";
 import { useTemplates } from "../templates/templates";
 import { bodyOf, draftOf, errorsOf, type NamedSchedule, SCHEDULES, type ScheduleDraft } from "./schedules";
@@ -50,7 +50,7 @@ export function ScheduleForm({ schedule, schedules, onDone }: ScheduleFormProps)
     >
       {(draft, errors, change) => (
         <>
-          <RobotField robot={draft.robot} onRobot={(chosen) => change({ robot: chosen })} />
+          <TakerField robot={draft.robot} group={draft.group} onTaker={(taker) => change(taker)} />
           <MissionFields draft={draft} errors={errors} onChange={change} />
           <SegmentedControl
             aria-label="When"
@@ -89,6 +89,7 @@ interface FieldsProps {
 /** A template with its parameters, or steps. */
 function MissionFields({ draft, errors, onChange }: FieldsProps) {
   const { data: templates = [] } = useTemplates();
+  const robot = useExampleRobot(draft);
   const chosen = templates.find(({ id }) => id === draft.template);
   const gone = draft.template !== "" && chosen === undefined;
   return (
@@ -117,7 +118,7 @@ function MissionFields({ draft, errors, onChange }: FieldsProps) {
       {draft.template === "" && (
         <StepList
           steps={draft.steps}
-          robot={draft.robot}
+          robot={robot}
           tried={errors.steps !== undefined}
           error={errors.steps}
           onSteps={(edit) => onChange((before) => ({ steps: edit(before.steps) }))}

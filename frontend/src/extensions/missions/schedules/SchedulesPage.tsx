@@ -71,6 +71,7 @@ export default function SchedulesPage() {
 }
 
 function ScheduleCard({ schedule, onEdit }: { schedule: NamedSchedule; onEdit: () => void }) {
+  const { robot, group } = schedule;
   const naming = useNaming();
   useZone();
   const reason = useWhyNot("PUT /schedules/{schedule_id}");
@@ -87,7 +88,7 @@ function ScheduleCard({ schedule, onEdit }: { schedule: NamedSchedule; onEdit: (
       entry={schedule}
       words={[
         whenWords(schedule),
-        `${missionWords(schedule, templates)} for ${naming.fullNameOf(schedule.robot)}`,
+        `${missionWords(schedule, templates)} for ${robot === null ? `any of ${group}` : naming.fullNameOf(robot)}`,
       ]}
       control={
         <Switch

@@ -2,6 +2,7 @@ import { clockOf, dayOf, formatDuration, formatTime, timeAt } from "../../../ui/
 import { dayWords, type TimesOfDay, timesBody, timesErrors, timesOf, WEEKDAYS } from "../../../ui/timesOfDay";
 import type { StepDraft } from "../draft";
 import { named, type Stored, sorted, useStored } from "../stored";
+import type { Taker } from "../TakerField";
 import { argumentsOf, missingIn, type NamedTemplate, stepsTrouble, textOf } from "../templates/templates";
 import { plain, stepsFrom, stepsOf } from "../written";
 import { deleteSchedule, listSchedules, putSchedule, type Schedule, type ScheduleBody } from "./requests";
@@ -59,9 +60,8 @@ export function failureWords({ last }: Pick<Schedule, "last">): string | null {
 type When = "once" | "daily" | "every";
 
 /** A schedule as it is typed. */
-export interface ScheduleDraft extends TimesOfDay {
+export interface ScheduleDraft extends TimesOfDay, Taker {
   name: string;
-  robot: string;
   /** The id of a template; empty for steps. */
   template: string;
   typed: Record<string, string>;
@@ -83,6 +83,7 @@ export function draftOf(schedule: NamedSchedule | null, robot: string, now: numb
   return {
     name: schedule?.name ?? "",
     robot: schedule?.robot ?? robot,
+    group: schedule?.group ?? null,
     template: mission?.template ?? "",
     typed: Object.fromEntries(given) as Record<string, string>,
     steps: stepsFrom(plain(mission?.steps ?? [{ undock: {} }, { dock: {} }]) as unknown[], now),
@@ -144,7 +145,7 @@ export function bodyOf(
   const if_running = draft.queues ? "queue" : "skip";
   return {
     name: draft.name.trim(),
-    robot: draft.robot,
+    ...(draft.group === null ? { robot: draft.robot } : { group: draft.group }),
     enabled,
     mission,
     ...when,
@@ -155,6 +156,6 @@ export function bodyOf(
 
 /** The request that stores a schedule as it is, on or off. */
 export function withEnabled(schedule: NamedSchedule, enabled: boolean, by: string | null): ScheduleBody {
-  const { name, robot, mission, once, daily, every, if_running } = schedule;
-  return { name, robot, mission, once, daily, every, if_running, enabled, by } as ScheduleBody;
+  const { name, robot, group, mission, once, daily, every, if_running } = schedule;
+  return { name, robot, group, mission, once, daily, every, if_running, enabled, by } as ScheduleBody;
 }
