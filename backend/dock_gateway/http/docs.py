@@ -1,10 +1,16 @@
 """`/docs`: the API in a browser. The gateway serves all files, since robots are often offline."""
 
+from importlib.resources import files
+from pathlib import Path
+
 from fastapi import FastAPI
+from starlette.middleware.gzip import GZipMiddleware
 from starlette.responses import HTMLResponse, Response
-from starlette.staticfiles import StaticFiles
 
 from dock_gateway.http.edge.security import CONTENT_SECURITY_POLICY, PAGE_POLICY
+from dock_gateway.http.static import CompressedFiles
+
+NO_CACHE = {"Cache-Control": "no-cache"}
 
 # The script is a separate file: the content security policy forbids inline scripts.
 SCRIPT = """SwaggerUIBundle({
@@ -23,10 +29,11 @@ def install_docs(app: FastAPI) -> None:
 
     @app.get("/docs", include_in_schema=False)
     async def docs() -> Response:
-        return HTMLResponse(PAGE, headers={CONTENT_SECURITY_POLICY: PAGE_POLICY, "Cache-Control": "no-cache"})
+        return HTMLResponse(PAGE, headers={CONTENT_SECURITY_POLICY: PAGE_POLICY, **NO_CACHE})
 
     @app.get("/docs/start.js", include_in_schema=False)
     async def start() -> Response:
-        return Response(SCRIPT, media_type="text/javascript", headers={"Cache-Control": "no-cache"})
+        return Response(SCRIPT, media_type="text/javascript", headers=NO_CACHE)
 
-    app.mount("/swagger", StaticFiles(packages=[("fastapi_swagger", "resources")]))
+    folder = Path(str(files("fastapi_swagger"))) / "resources"
+    app.mount("/swagger", GZipMiddleware(CompressedFiles(folder, NO_CACHE)))

@@ -7,6 +7,7 @@ from fastapi import FastAPI
 from starlette.testclient import TestClient
 
 from dock_gateway.http.dashboard import find_dashboard, install_dashboard
+from dock_gateway.http.docs import install_docs
 from dock_gateway.http.problems import install_problems
 from dock_gateway.settings import Settings
 
@@ -101,3 +102,14 @@ def test_compressed_files_have_no_address(folder: Path, monkeypatch: pytest.Monk
     http = client(folder, monkeypatch)
     assert http.get("/index.html.br").status_code == 404
     assert http.get("/assets/index-abc.js.gz").status_code == 404
+
+
+def test_the_page_of_the_api_is_sent_compressed_and_once() -> None:
+    app = FastAPI()
+    install_docs(app)
+    http = TestClient(app)
+    path = "/swagger/swagger-ui-bundle.js"
+    answer = http.get(path, headers={"Accept-Encoding": "gzip"})
+    assert answer.headers["content-encoding"] == "gzip"
+    assert len(answer.content) > 3 * answer.num_bytes_downloaded
+    assert http.get(path, headers={"If-None-Match": answer.headers["etag"]}).status_code == 304

@@ -58,6 +58,7 @@ CACHED = {
     "/assets/index-abc.js": "public, max-age=31536000, immutable",
     "/color-scheme.js": "no-cache",
     "/docs/start.js": "no-cache",
+    "/swagger/swagger-ui.css": "no-cache",
 }
 
 
