@@ -1,10 +1,13 @@
 import { Group, Text } from "@mantine/core";
 import { useGatewayNow } from "../../clock/clock";
 import { Tool } from "../../ui/Tool";
+import { ActionFields } from "./ActionFields";
 import { isBlock, type StepDraft } from "./draft";
 import { BlockFields, MessageFields, NotifyFields, PlaceFields } from "./FurtherFields";
 import classes from "./missions.module.css";
-import { ActionFields, DockFields, type Edit, Options, Refused, WaitFields } from "./StepFields";
+import { DockFields, type Edit, Refused } from "./StepFields";
+import { Options } from "./StepOptions";
+import { WaitFields } from "./WaitFields";
 import { FormSwitch, WrittenFields } from "./WrittenFields";
 import { actionWords } from "./words";
 import { stepErrors, type Wrong } from "./wrong";
