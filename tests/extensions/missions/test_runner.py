@@ -16,7 +16,7 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.grant import UNLIMITED
 from dock_gateway.core.share import EVERYTHING
-from dock_gateway.extensions.missions import progress
+from dock_gateway.extensions.missions import book, progress
 from dock_gateway.extensions.missions.book import MissionBook
 from dock_gateway.extensions.missions.facts import FactsReader
 from dock_gateway.extensions.missions.last_stops import LastStop, LastStops
@@ -260,6 +260,18 @@ async def test_an_end_whose_gateway_was_killed_is_moved_by_another() -> None:
     assert (await site.ended("b")).status is MissionStatus.SUCCEEDED
     assert (await site.ended()).status is MissionStatus.SUCCEEDED
     assert site.server.goals == {}
+
+
+@in_virtual_time
+async def test_of_the_ended_ones_those_that_ended_last_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(book, "MAX_ENDED", 2)
+    site = Site()
+    await site.add({"wait": {"seconds": 60}}, mission_id="oldest", robot="/other")
+    for mission_id in ("x", "y", "z"):
+        later = queued({"wait": {"seconds": 1}}).model_copy(update={"created_at": NOON + timedelta(seconds=1)})
+        await site.runners[0].book.add(mission_id, later)
+    assert (await site.ended("oldest")).status is MissionStatus.SUCCEEDED
+    assert [*site.past.known] == ["z", "oldest"]
 
 
 @in_virtual_time

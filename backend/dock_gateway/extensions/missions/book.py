@@ -259,7 +259,7 @@ class MissionBook(SharedEntries[MissionEntry]):
         return mission.document(mission_id, self.waits.get(mission_id))
 
     async def _move_to_past(self, mission_id: str, mission: MissionEntry) -> None:
-        """Move a mission whose end is stored to the ended ones, of which the oldest are forgotten.
+        """Move a mission whose end is stored to the ended ones, of which those that ended first are forgotten.
 
         Raises:
             Unavailable: The history does not answer (`history_unavailable`); it is moved later.
@@ -267,7 +267,8 @@ class MissionBook(SharedEntries[MissionEntry]):
         self.notices.add(mission_id, mission)
         await self._past.write(mission_id, mission)
         await self.store(mission_id, None, lambda _: None)
-        ended = sorted((each.created_at, key) for key, each in (await self._past.read()).items())
+        past = (await self._past.read()).items()
+        ended = sorted((each.finished_at or each.created_at, key) for key, each in past)
         for _, oldest in ended[:-MAX_ENDED]:
             await self._past.write(oldest, None)
 

@@ -6,13 +6,15 @@ A gateway's own words, which are the stored missions, are compared with that.
 from collections import Counter, defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
-from datetime import datetime, timedelta
+from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, StepStatus
-from dock_gateway.extensions.missions.moves import WaitsFor
+from tests.extensions.missions.simulation.battery_checks import BatteryChecks
+from tests.extensions.missions.simulation.group_checks import GroupChecks
 from tests.extensions.missions.simulation.stored import key_of, named, robot_of, stored_missions, tag_of
+from tests.extensions.missions.simulation.wait_checks import WaitChecks
 from tests.support.virtual import START_NS
 
 if TYPE_CHECKING:
@@ -21,8 +23,6 @@ if TYPE_CHECKING:
     from tests.extensions.missions.simulation.server import CarriedOut, Server
     from tests.extensions.missions.simulation.world import World
 
-# Seconds within which a mission goes on once nothing is in its way, at least, and in looks of the gateways.
-GOES_ON_AFTER, LOOKS = 300.0, 40
 # Seconds after which a gateway has given up a goal that its server, which was frozen, accepts at last.
 GIVEN_UP_AFTER = 5.0
 # Looks during which a mission may have been queued unnoticed by the gateway that begins another one.
@@ -55,28 +55,28 @@ class Checks:
         ended: Those that have ended, as they were stored.
         counts: How often things have happened.
         sent_at: When each goal was sent last.
+        groups: Follows missions for any robot of a group.
     """
 
     def __init__(self, world: "World") -> None:
         self._world = world
-        self._goes_on_after = max(GOES_ON_AFTER, LOOKS * world.troubles.look_every)
         self.found: list[str] = []
         self.added: dict[str, MissionEntry] = {}
         self.ended: dict[str, MissionEntry] = {}
         self.counts: Counter[str] = Counter()
         self.sent_at: dict[str, float] = {}
+        self.groups = GroupChecks(world)
+        self._batteries = BatteryChecks(world)
+        self._waits = WaitChecks(world)
         self._places: dict[str, Place] = {}
         self._goals: defaultdict[str, list[CarriedOut]] = defaultdict(list)  # by tag
         self._carried: defaultdict[str, list[CarriedOut]] = defaultdict(list)  # the same, with those accepted too late
-        self._keys: dict[str, str] = {}  # the goal that was accepted for each key
+        self._keys: dict[str, CarriedOut] = {}  # the goal that was accepted for each key
         self._calls: Counter[tuple[str, int]] = Counter()
         self._last: dict[str, int] = {}  # the index of the last step of each mission that was begun at the robot
-        self._allowed: dict[str, float] = {}  # when somebody last let a robot move
+        self._allowed: dict[str, float] = {}  # when somebody last let a robot move, or a mission begin
         self._stops: dict[str, tuple[float, float]] = {}  # when the last stop of a robot began and had ended
         self._parted: set[str] = set()  # goals that a gateway may have lost sight of
-        self._changed: dict[str, tuple[int, float]] = {}  # the revision of each mission, and since when
-        self._idle_since: dict[str, float] = {}  # robots
-        self._docks_free_since = 0.0
         self._paused: set[str] = set()  # missions that somebody has paused before they had begun
 
     def fault(self, what: str) -> None:
@@ -90,17 +90,19 @@ class Checks:
 
     # ------------------------------------------------------------------ what people do
 
-    def queued(self, mission_id: str, mission: MissionEntry) -> None:
-        """Somebody queues a mission."""
+    def queued(self, mission_id: str, mission: MissionEntry, group: str | None) -> None:
+        """Somebody queues a mission; `group` is that whose robots may take it."""
         self.added[mission_id] = mission
+        if group is not None:
+            self.groups.queued(mission_id, group)
         around = [range(at + 1, at + 1 + step.size) for at, step in enumerate(mission.steps) if step.repeat is not None]
         for index, step in enumerate(mission.steps):
             if (tag := tag_of(step)) is not None:
                 self._places[tag] = Place(mission_id, index, any(index in inside for inside in around))
 
-    def allowed(self, robot: str) -> None:
-        """Somebody lets a robot go on, or changes what it is to do."""
-        self._allowed[robot] = self._now
+    def allowed(self, mission_id: str, robot: str) -> None:
+        """Somebody lets a mission go on, or changes what its robot is to do."""
+        self._allowed[mission_id] = self._allowed[robot] = self._now
 
     def paused(self, mission_id: str) -> None:
         """Somebody has paused a mission."""
@@ -132,6 +134,8 @@ class Checks:
         else:  # all missions of a schedule have the same tags
             own = (each for each in stored.values() if each.schedule is not None and robot_of(each) == robot)
             mission = next((each for each in own if each.active), None)
+        if place is not None and self._allowed.get(place.mission_id, -1.0) > at:
+            return True
         return mission is not None and mission.created_at.timestamp() > START_NS / 1e9 + at
 
     def called(self, gateway: "Gateway", robot: str, message: Mapping[str, Any]) -> None:
@@ -154,6 +158,7 @@ class Checks:
         if server.kind == "dock" and self._world.shares_docks:
             self._check_dock(robot, robot.dock_of(goal.message))
         if goal.tag is None:
+            self._check_break(robot, server, goal)
             return
         self._carried[goal.tag].append(goal)
         if self._now - self.sent_at[goal.goal_id] > GIVEN_UP_AFTER:  # it is canceled at once
@@ -165,18 +170,56 @@ class Checks:
             if not self._world.is_spooled(goal.goal_id):
                 self.fault(f"{goal.goal_id} of {goal.tag} has no key")
             return
-        if key in self._keys:
-            self.fault(f"the try {key} is carried out twice, as {self._keys[key]} and {goal.goal_id}")
-        self._keys[key] = goal.goal_id
+        self._note_key(key, goal)
         _, mission_id, index, _ = key.split("-")
         tag = named(goal.tag, mission_id)
         place = self._places.setdefault(tag, Place(mission_id, int(index), repeated=False))
+        self.groups.carried_out(mission_id, robot.name)
         for other in robot.running():
             if other is not goal and other.tag is not None and other.goal_id not in self._parted:
                 self.fault(f"{robot.name} begins {tag} while {other.tag} ({other.goal_id}) runs")
         self._check_step(place, tag, [*self._goals[tag], goal])
         self._goals[tag].append(goal)
         self._in_order(place, tag)
+
+    def _note_key(self, key: str, goal: "CarriedOut") -> None:
+        """Check that no other goal was accepted for a key.
+
+        The same one may be accepted again by a server that was started again meanwhile, if its gateway was killed
+        before it heard that it was accepted: nobody knows that then.
+        """
+        known = self._keys.get(key)
+        unheard = known is not None and known.at < self._world.gateways_since
+        if known is not None and not (known.goal_id == goal.goal_id and unheard):
+            self.fault(f"the try {key} is carried out twice, as {known.goal_id} and {goal.goal_id}")
+        self._keys[key] = goal
+
+    def _check_break(self, robot: "Robot", server: "Server", goal: "CarriedOut") -> None:
+        """Check a goal that is of no step: it may be of the break of a mission for the battery."""
+        key = key_of(self._world.disk, goal.goal_id)
+        if key is None or self._now - self.sent_at[goal.goal_id] > GIVEN_UP_AFTER:
+            return
+        self._note_key(key, goal)
+        self.counts[f"{server.kind}s for the battery"] += 1
+        _, mission_id, _, number, attempt = key.split("-")
+        self.groups.carried_out(mission_id, robot.name)
+        mission = self.stored().get(mission_id)
+        if mission is None or self._is_late(mission):
+            return
+        its_break = mission.recharge
+        if its_break is None or (its_break.number, its_break.step.attempt) != (int(number), int(attempt)):
+            self.fault(f"{key} is carried out, and {mission_id} is at {its_break!r:.300}")
+        elif its_break.step.verb != server.kind:
+            self.fault(f"{key} is a goal to {server.kind}, and {mission_id} is at {its_break.stage}")
+        self._check_stop(robot, mission_id, mission)
+
+    def _check_stop(self, robot: "Robot", mission_id: str, mission: MissionEntry) -> None:
+        """Check that somebody let a robot move whose mission takes a break, if it was stopped before."""
+        began, ended = self._stops.get(robot.name, (-1.0, -1.0))
+        allowed = max(self._allowed.get(robot.name, -1.0), self._allowed.get(mission_id, -1.0))
+        created = mission.created_at.timestamp() - START_NS / 1e9
+        if began >= 0 and ended < self._now - GIVEN_UP_AFTER and max(allowed, created) < began:
+            self.fault(f"{robot.name} moves for its battery, was stopped at {began:.3f}, and nobody continued")
 
     def _check_dock(self, robot: "Robot", dock: str) -> None:
         """Check that no other robot stands at a dock that a robot drives to, or drives there."""
@@ -197,8 +240,9 @@ class Checks:
             if not self._is_late(mission):
                 self.fault(f"{tag}, step {place.index}, is carried out, and its mission is {at}")
             return
-        if len(goals) > mission.current.attempt:
-            self.fault(f"{tag} is carried out {len(goals)} times in {mission.current.attempt} tries")
+        different = len({each.goal_id for each in goals})
+        if different > mission.current.attempt:
+            self.fault(f"{tag} is carried out {different} times in {mission.current.attempt} tries")
         allowed = self._allowed.get(robot_of(mission), -1.0)
         done = [each for each in goals if each.status is GoalStatus.SUCCEEDED and allowed < (each.ended_at or 0.0)]
         if done and not place.repeated:
@@ -224,6 +268,12 @@ class Checks:
         """Return the missions in the database."""
         return stored_missions(self._world.disk, kind)
 
+    def look_at_robots(self) -> None:
+        """Look at the batteries, and at the robots that are free."""
+        missions = self.stored()
+        self._batteries.look(missions)
+        self.groups.look({mission.its_robot for mission in missions.values() if mission.active})
+
     def look(self) -> None:
         """Look at all missions, as often as it pleases."""
         missions, ended = self.stored(), self.stored("ended_mission")
@@ -231,31 +281,18 @@ class Checks:
         for mission_id, mission in ended.items():
             if mission_id not in self.ended:
                 self.ended[mission_id] = mission
+                self.groups.look_at(mission_id, mission)
                 self._check_end(mission_id, mission)
         active = Counter(robot_of(mission) for mission in missions.values() if mission.active)
         for robot, count in active.items():
             if count > 1:
                 self.fault(f"{robot} is on {count} missions")
-        self._look_at_robots(active)
+        self._waits.look_at_robots(active)
         for mission_id, mission in missions.items():
+            self.groups.look_at(mission_id, mission)
             if mission_id in self.ended and not mission.status.ended:
                 self.fault(f"{mission_id} had ended, and is {mission.status.value} again")
-            revision, since = self._changed.get(mission_id, (-1, 0.0))
-            if revision != mission.revision:
-                self._changed[mission_id] = (mission.revision, self._now)
-            elif self._now - since > self._goes_on_after and not mission.status.ended:
-                self._check_wait(mission_id, mission, idle=self._is_idle(robot_of(mission)))
-
-    def _look_at_robots(self, active: Mapping[str, int]) -> None:
-        """Note since when robots are on no mission, and nobody stands at a dock."""
-        for robot in self._world.names:
-            if active.get(robot):
-                self._idle_since[robot] = self._now
-        if self._world.docks.robots:
-            self._docks_free_since = self._now
-
-    def _is_idle(self, robot: str) -> bool:
-        return self._now - self._idle_since.get(robot, 0.0) > self._goes_on_after
+            self._waits.look_at(mission_id, mission)
 
     def _count_scheduled(self, missions: Mapping[str, MissionEntry]) -> None:
         """Note which missions schedules have queued."""
@@ -263,42 +300,6 @@ class Checks:
             if mission.schedule is not None and mission_id not in self.added:
                 self.added[mission_id] = mission
                 self.counts["scheduled"] += 1
-
-    def _check_wait(self, mission_id: str, mission: MissionEntry, *, idle: bool) -> None:
-        """Check that a mission that has not changed for long has a reason for that, and says it."""
-        gateways = [gateway for gateway in self._world.gateways if gateway.ready and not gateway.dead]
-        if not gateways or any(self._now - gateway.ready_at < self._goes_on_after for gateway in gateways):
-            return
-        if mission.status is MissionStatus.HELD:
-            if mission.held_for is None:
-                self.fault(f"{mission_id} is held, and does not say why")
-            return
-        said = [gateway.missions.book.waits.get(mission_id) for gateway in gateways]
-        if not all(said):
-            self.fault(f"{mission_id} does not say what it waits for")
-        if self._now - self._world.calm_since[robot_of(mission)] < self._goes_on_after:
-            return
-        if WaitsFor.DOCK in said and self._now - self._docks_free_since < self._goes_on_after:
-            return
-        if not self._may_wait(mission, idle=idle):
-            self.fault(f"{mission_id} does not go on: {said}, {mission.status.value}, step {mission.current!r:.400}")
-            self._changed[mission_id] = (mission.revision, self._now)
-
-    def _may_wait(self, mission: MissionEntry, *, idle: bool) -> bool:
-        robot = self._world.robots[robot_of(mission)]
-        if mission.status is MissionStatus.QUEUED or robot.running():  # its own goal, or that of somebody else
-            return not idle
-        step, now = mission.current, self._world.now()
-        if step.has_message:  # one that was killed may have sent it: as long as the answer could come
-            waited = (now - (step.started_at or now)).total_seconds()
-            return waited < step.answer_within + self._goes_on_after
-        if step.status is StepStatus.WAITING or step.wait is None:
-            late = step.is_late(now - timedelta(seconds=self._goes_on_after))
-            return step.has_goal and step.goal_id is not None and not late  # its goal is lost, and may return
-        if step.wait.battery is not None and not step.is_late(now):
-            return robot.charge < step.wait.battery
-        ends_at = step.wait.ends_at(step.started_at or now)
-        return ends_at is not None and now < ends_at and not step.is_late(now)
 
     def _check_end(self, mission_id: str, mission: MissionEntry) -> None:
         """Compare a mission that has ended with what its robot has done."""
@@ -336,8 +337,8 @@ class Checks:
             of_robots[robot_of(mission)].append((mission_id, mission))
         for missions in of_robots.values():
             for mission_id, first in missions:
-                if mission_id in self._paused or first.schedule is not None:
-                    continue  # those of schedules wait for somebody after a stop
+                if mission_id in self._paused or first.schedule is not None or first.group is not None:
+                    continue  # those of schedules and groups wait for somebody after a stop
                 for other_id, other in missions:
                     if other.started_at is None or _turn(other) <= _turn(first):
                         continue

@@ -73,7 +73,7 @@ class Battery:
 
     @property
     def reading(self) -> Any:
-        return BatteryReading(percentage=self._robot.charge)
+        return BatteryReading(percentage=self._robot.charge, power_supply=self._robot.supply)
 
 
 def _robot(robot: Robot) -> Any:

@@ -12,8 +12,10 @@ from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
 from dock_gateway.extensions.missions.schedules.schedule import ScheduleBody
 from dock_gateway.extensions.missions.schedules.schedules import Schedules
 from dock_gateway.extensions.missions.schema import MissionBody
-from tests.extensions.missions.simulation.random_missions import RandomMissions
-from tests.extensions.missions.simulation.stored import robot_of
+from dock_gateway.extensions.missions.templates.template import TemplateBody
+from dock_gateway.extensions.missions.templates.templates import Templates
+from tests.extensions.missions.simulation.random_missions import TEMPLATE, TEMPLATE_ID, Made, RandomMissions
+from tests.extensions.missions.simulation.stored import repair_docks, robot_of
 
 if TYPE_CHECKING:
     from tests.extensions.missions.simulation.gateway import Gateway
@@ -63,18 +65,37 @@ class People:
             await asyncio.sleep(self._random.uniform(1, 10))
 
     async def queue(self, robot: str) -> None:
-        mission_id, document = self._missions.make(robot)
-        body = MissionBody.model_validate_json(json.dumps(document))
-        self._checks.queued(mission_id, body.entry(robot))
-        self._say("people", f"{mission_id} {robot} {document}")
+        """Queue a mission for a robot."""
+        await self._queue(self._missions.make(robot), robot)
+
+    async def queue_for_group(self) -> None:
+        """Queue a mission for whichever robot of a group takes it."""
+        group = self._random.choice(sorted(self._world.groups))
+        await self._queue(self._missions.make_for_group(group), None)
+        self._checks.counts["for groups"] += 1
+
+    async def _queue(self, made: Made, robot: str | None) -> None:
+        mission_id, body = made.mission_id, MissionBody.model_validate_json(json.dumps(made.request))
+        steps = MissionBody.model_validate_json(json.dumps({"steps": made.steps}))
+        self._checks.queued(mission_id, steps.entry(robot), body.group)
+        self._say("people", f"{mission_id} {robot} {made.request}")
         await self._insist(
             f"queue {mission_id}", lambda gateway: gateway.missions.add(mission_id, body, robot, UNLIMITED)
         )
         self._checks.counts["missions"] += 1
 
+    async def store_template(self) -> None:
+        """Store the template that some missions are made of."""
+        template = TemplateBody.model_validate_json(json.dumps(TEMPLATE)).entry()
+        await self._insist(
+            "store the template", lambda gateway: gateway.parts[Templates].replace(TEMPLATE_ID, template)
+        )
+
     async def store_schedule(self, robot: str) -> None:
         """Let a schedule queue missions for a robot."""
-        body = ScheduleBody.model_validate_json(json.dumps(self._missions.schedule(robot)))
+        body = ScheduleBody.model_validate_json(
+            json.dumps(self._missions.schedule(robot, self._world.troubles.schedule_minutes))
+        )
         await self._insist(
             f"store the schedule {robot[1:]}",
             lambda gateway: gateway.parts[Schedules].replace(robot[1:], body, UNLIMITED),
@@ -89,10 +110,24 @@ class People:
 
         await self._ask("remove the schedules", remove)
 
-    async def clear_docks(self) -> None:
-        """Send the robots away that stand at docks and do nothing, if others may wait for those."""
+    async def repair_docks(self) -> None:
+        """Say that all docks are in order."""
+        self._say("people", "repair the docks")
+        repair_docks(self._world.disk)
+
+    async def change_batteries(self) -> None:
+        """Give robots other batteries that are nearly empty."""
         for robot in self._world.robots.values():
-            if robot.dock is not None and not robot.running():
+            if robot.charge < 0.05:
+                self._say("people", f"change the battery of {robot.name}")
+                robot.change_battery()
+                robot.switch_on()
+
+    async def clear_docks(self) -> None:
+        """Send the robots away that stand at docks and do not have to charge, if others may wait for those."""
+        charging = {mission.robot for mission in self._checks.stored().values() if mission.recharge is not None}
+        for robot in self._world.robots.values():
+            if robot.dock is not None and not robot.running() and robot.name not in charging:
                 await self._send(robot.servers["undock"].name, {})
 
     async def meddle(self) -> None:
@@ -110,15 +145,15 @@ class People:
         await self._random.choices(ways, weights)[0](mission_id, mission)
 
     async def go_on(self, mission_id: str, mission: MissionEntry) -> None:
-        self._checks.allowed(robot_of(mission))
+        self._checks.allowed(mission_id, robot_of(mission))
         await self._ask(f"continue {mission_id}", lambda gateway: gateway.missions.resume(mission_id, UNLIMITED))
 
     async def _skip(self, mission_id: str, mission: MissionEntry) -> None:
-        self._checks.allowed(robot_of(mission))
+        self._checks.allowed(mission_id, robot_of(mission))
         await self._ask(f"skip {mission_id}", lambda gateway: gateway.missions.skip(mission_id, UNLIMITED))
 
     async def cancel(self, mission_id: str, mission: MissionEntry) -> None:
-        self._checks.allowed(robot_of(mission))
+        self._checks.allowed(mission_id, robot_of(mission))
         await self._ask(f"cancel {mission_id}", lambda gateway: gateway.missions.cancel(mission_id, UNLIMITED))
 
     async def _pause(self, mission_id: str, _: MissionEntry) -> None:
@@ -154,6 +189,7 @@ class People:
         latch = self._random.random() < 0.6
         robots = [] if robot is None else [robot]
         began = self._world.chance.loop.time()
+        self._checks.groups.disturbed(robots or self._world.names)
         if await self._ask(f"stop {robot}, latch {latch}", lambda gateway: gateway.stopper.stop(*robots, latch=latch)):
             self._checks.stopped(robots or self._world.names, began)
         if latch:
@@ -162,7 +198,9 @@ class People:
     async def _release_later(self, robot: str | None) -> None:
         await asyncio.sleep(self._random.choice([0.5, 30.0, 600.0]))
         await self._insist(f"release {robot}", lambda gateway: gateway.stopper.release(robot))
+        self._checks.groups.disturbed(self._world.names if robot is None else [robot])
 
     async def release(self, robot: str | None) -> None:
         """Release a stop, if a gateway is there."""
-        await self._ask(f"release {robot}", lambda gateway: gateway.stopper.release(robot))
+        if await self._ask(f"release {robot}", lambda gateway: gateway.stopper.release(robot)):
+            self._checks.groups.disturbed(self._world.names if robot is None else [robot])

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
+from dock_gateway.core.battery import PowerSupply
 from dock_gateway.core.goal import GoalStatus
 from tests.dock_gateway.simulation.chance import Chance
 from tests.extensions.missions.simulation.server import CarriedOut, Server
@@ -15,7 +16,7 @@ ACTIONS = (
     ("work", "work", "action_tutorials_interfaces/action/Fibonacci"),
 )
 # The charge that is lost an hour while a goal runs and while the robot stands, and gained at a dock.
-DRIVES, STANDS, CHARGES = -0.12, -0.01, 0.6
+DRIVES, STANDS, CHARGES = -0.3, -0.03, 0.6
 
 
 class Docks:
@@ -36,6 +37,7 @@ class Robot:
         docks: The docks.
         accepted: Called with the robot, the server and each goal that it accepts.
         answers_lost: How likely it is that an answer is lost.
+        battery_speed: How many times faster than in a real robot its battery is charged and discharged.
 
     Attributes:
         on: Whether it is switched on.
@@ -50,7 +52,9 @@ class Robot:
         name: str,
         docks: Docks,
         accepted: Callable[["Robot", Server, CarriedOut], None],
+        *,
         answers_lost: float,
+        battery_speed: float,
     ) -> None:
         self.chance = chance
         self.name = name
@@ -60,9 +64,10 @@ class Robot:
         self.answers_lost = answers_lost
         self.rejects, self.refuses, self.fails, self.hangs = 0.03, 0.03, 0.12, 0.05
         self._accepted = accepted
-        self._charge = chance.random.uniform(0.3, 1.0)
+        self._charge = chance.random.uniform(0.2, 0.9)
+        self._battery_speed = battery_speed
         self._since = chance.loop.time()
-        self._rate = STANDS
+        self._rate = STANDS * battery_speed
         self.servers = {kind: Server(self, kind, f"{name}/{action}", of) for kind, action, of in ACTIONS}
 
     def mend(self) -> None:
@@ -88,6 +93,7 @@ class Robot:
         """Start again, with servers that know nothing of before, if it is off."""
         if not self.on:
             self.on = True
+            self.drive()
             for server in self.servers.values():
                 server.up = True
                 server.tell()
@@ -116,14 +122,22 @@ class Robot:
         hours = (self.chance.loop.time() - self._since) / HOUR
         return min(1.0, max(0.0, self._charge + self._rate * hours))
 
+    @property
+    def supply(self) -> PowerSupply:
+        """What its battery says of its charger."""
+        if self._rate <= 0:
+            return PowerSupply.DISCHARGING
+        return PowerSupply.FULL if self.charge >= 1.0 else PowerSupply.CHARGING
+
     def drive(self) -> None:
         """Go on with another current."""
         self._charge, self._since = self.charge, self.chance.loop.time()
         runs = any(goal.runs for server in self.servers.values() for goal in server.goals.values())
-        self._rate = CHARGES if self.dock is not None and self.on else DRIVES if runs else STANDS
+        rate = CHARGES if self.dock is not None and self.on else DRIVES if runs else STANDS
+        self._rate = rate * self._battery_speed
 
-    def put_on_charger(self) -> None:
-        """Somebody changes the battery."""
+    def change_battery(self) -> None:
+        """Somebody gives it another battery."""
         self.drive()
         self._charge = 0.9
 

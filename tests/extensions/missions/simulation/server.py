@@ -118,6 +118,7 @@ class Server:
         """End the server: it forgets all of its goals, and the robot stands."""
         self.up = False
         self.drop()
+        self.robot.drive()
 
     def drop(self) -> None:
         """Forget all goals."""
@@ -240,6 +241,8 @@ class Server:
         self._end(goal, S.CANCELED)
 
     def _end(self, goal: CarriedOut, status: GoalStatus) -> None:
+        if not goal.runs:
+            return
         goal.status, goal.ended_at = status, self._chance.loop.time()
         self.robot.drive()
         self._chance.say(self.name, f"{goal.goal_id} {status.value}")

@@ -1,7 +1,9 @@
 """The missions in the database of a run, and the tags of their steps."""
 
 import json
+from collections.abc import Iterable
 from datetime import datetime
+from functools import lru_cache
 from typing import Any
 
 import sqlalchemy as sa
@@ -14,18 +16,66 @@ from tests.dock_gateway.simulation.database import Disk
 MISSION = TypeAdapter(MissionEntry)
 
 
+@lru_cache(maxsize=5000)
+def read_mission(document: bytes) -> MissionEntry:
+    """Return a mission that is stored; most are read many times."""
+    return MISSION.validate_json(document, extra="ignore")
+
+
 def stored_missions(disk: Disk, kind: str) -> dict[str, MissionEntry]:
     """Return the missions of a kind: `mission` or `ended_mission`."""
     query = sa.select(documents.c.key, documents.c.document).where(documents.c.kind == kind)
     with disk.engine.begin() as connection:
         rows = connection.execute(query).all()
-    return {key: MISSION.validate_json(document, extra="ignore") for key, document in rows}
+    return {key: read_mission(document) for key, document in rows}
+
+
+def find_missions(connection: sa.Connection, keys: Iterable[str]) -> dict[str, MissionEntry]:
+    """Return those of some missions that have not ended. It is asked often: SQL as text takes the least time."""
+    query, found = "SELECT document FROM documents WHERE kind = 'mission' AND key = ?", {}
+    for key in keys:
+        if (row := connection.exec_driver_sql(query, (key,)).first()) is not None:
+            found[key] = read_mission(row[0])
+    return found
 
 
 def share_docks(disk: Disk, names: list[str], at: datetime) -> None:
     """Enter docks as shared ones, as an extension stores them that lets a dock have one robot."""
     dock = {"changed_by": None, "changed_at": at.isoformat()}
     rows = [{"kind": "shared_dock", "key": name, "document": json.dumps(dock).encode()} for name in names]
+    with disk.engine.begin() as connection:
+        connection.execute(sa.insert(documents), rows)
+
+
+def _stored_json(disk: Disk, kind: str) -> dict[str, dict[str, Any]]:
+    query = sa.select(documents.c.key, documents.c.document).where(documents.c.kind == kind)
+    with disk.engine.begin() as connection:
+        return {key: json.loads(document) for key, document in connection.execute(query)}
+
+
+def dock_records(disk: Disk) -> dict[str, dict[str, Any]]:
+    """Return what has happened at the shared docks, as an extension stores it."""
+    return _stored_json(disk, "dock_record")
+
+
+def repair_docks(disk: Disk) -> None:
+    """Store that all shared docks are in order."""
+    records = dock_records(disk)
+    with disk.engine.begin() as connection:
+        for key, record in records.items():
+            mended = record | {"out_of_order_at": None, "note": None, "failures": 0}
+            is_it = documents.c.kind == "dock_record", documents.c.key == key
+            connection.execute(sa.update(documents).where(*is_it).values(document=json.dumps(mended).encode()))
+
+
+def share_groups(disk: Disk, groups: dict[str, list[str]]) -> None:
+    """Enter the groups that robots are in."""
+    of_robots: dict[str, list[str]] = {}
+    for group, robots in groups.items():
+        for robot in robots:
+            of_robots.setdefault(robot, []).append(group)
+    labels = {robot: {"display_name": None, "groups": found} for robot, found in of_robots.items()}
+    rows = [{"kind": "label", "key": robot, "document": json.dumps(label).encode()} for robot, label in labels.items()]
     with disk.engine.begin() as connection:
         connection.execute(sa.insert(documents), rows)
 

@@ -1,6 +1,6 @@
 """Whatever is killed, away, blocked or stopped: missions do each step once, in order, and none is forgotten.
 
-Each seed is twenty minutes in virtual time. `SIMULATION_SEEDS=10000` tries more of them, `SIMULATION_SEED=4711` one,
+Each seed is half an hour in virtual time. `SIMULATION_SEEDS=10000` tries more of them, `SIMULATION_SEED=4711` one,
 with all that has happened. `SIMULATION_WEEKS=3` runs so many weeks with ten robots and four docks.
 """
 
@@ -33,6 +33,16 @@ CASES = {
     ),
     "stopped again and again": Troubles(gateways=2, stops_every=60.0, people_every=15.0),
     "robots that break": Troubles(servers_every=30.0, answers_lost=0.1),
+    "missions for groups": Troubles(
+        robots=5,
+        docks=3,
+        schedules=0,
+        missions_every=1800.0,
+        groups_every=75.0,
+        stops_every=1200.0,
+        goals_every=1800.0,
+        kills_every=900.0,
+    ),
     "nothing goes wrong": Troubles(kills_every=1e9, kills_at_writes=0, kills_at_sends=0, servers_every=1e9),
 }
 

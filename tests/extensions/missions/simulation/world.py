@@ -7,6 +7,8 @@ from datetime import UTC, datetime
 from functools import partial
 from typing import Any
 
+from dock_gateway.core.filters import is_under
+from dock_gateway.core.goal import Goal
 from dock_gateway.extension_list import OURS
 from dock_gateway.extensions.missions.mission import MissionStatus
 from dock_gateway.extensions.missions.moves import WaitsFor
@@ -18,7 +20,7 @@ from tests.extensions.missions.simulation.gateway import SHARES_DOCKS, Gateway, 
 from tests.extensions.missions.simulation.people import People
 from tests.extensions.missions.simulation.robot import Docks, Robot
 from tests.extensions.missions.simulation.server import Server
-from tests.extensions.missions.simulation.stored import share_docks
+from tests.extensions.missions.simulation.stored import share_docks, share_groups
 from tests.extensions.missions.simulation.troubles import HOUR, Troubles
 
 # Seconds for which missions may take to end once nothing goes wrong any more.
@@ -36,8 +38,10 @@ class World:
     Attributes:
         gateways: Those that run.
         people: What people do.
+        groups: The robots of each group.
         shares_docks: Whether a dock has one robot at most.
         calm_since: Since when nothing has been in the way of each robot.
+        gateways_since: Since when one gateway ran at least, and none was killed.
     """
 
     def __init__(self, seed: int, disk: Disk, troubles: Troubles) -> None:
@@ -48,11 +52,12 @@ class World:
         self.checks = Checks(self)
         self.docks = Docks(troubles.docks)
         self.names = [f"/r{index}" for index in range(troubles.robots)]
-        lost, accepted = troubles.answers_lost, self.checks.accepted
-        self.robots = {name: Robot(self.chance, name, self.docks, accepted, lost) for name in self.names}
+        self.robots = {name: self._make_robot(name) for name in self.names}
+        self.groups = {"all": self.names, "two": self.names[:2]}
         self.servers = {server.name: server for robot in self.robots.values() for server in robot.servers.values()}
         self.gateways: list[Gateway] = []
         self.calm_since = dict.fromkeys(self.names, 0.0)
+        self.gateways_since = 0.0
         self.people = People(self)
         self._files: defaultdict[str, StoredLatches] = defaultdict(StoredLatches)
         self._spools: defaultdict[str, dict[int, list[bytes]]] = defaultdict(dict)
@@ -62,6 +67,10 @@ class World:
     def now(self) -> datetime:
         """Return the time."""
         return datetime.fromtimestamp(self.chance.loop.time_ns() / 1e9, UTC)
+
+    def _make_robot(self, name: str) -> Robot:
+        lost, speed = self.troubles.answers_lost, self.troubles.battery_speed
+        return Robot(self.chance, name, self.docks, self.checks.accepted, answers_lost=lost, battery_speed=speed)
 
     # ------------------------------------------------------------------ the run
 
@@ -75,38 +84,50 @@ class World:
         self.disk.empty()
         if self.shares_docks:
             share_docks(self.disk, self.docks.names, self.now())
+        share_groups(self.disk, self.groups)
         for name in "ABC"[: self.troubles.gateways]:
             self._start(name)
         await asyncio.sleep(2.0)
+        await self.people.store_template()
         troubles = self.troubles
         work = [
             *(self._often(troubles.missions_every, partial(self.people.queue, robot)) for robot in self.names),
+            self._often(troubles.groups_every, self.people.queue_for_group),
             self._often(troubles.people_every, self.people.meddle),
             self._often(troubles.stops_every, self.people.stop),
             self._often(troubles.goals_every, self.people.send_goal),
             self._often(troubles.kills_every, self._kill),
             self._often(troubles.servers_every, self._break_server),
             self._often(troubles.docks_every, self._block_dock),
+            self._often(troubles.repairs_every, self.people.repair_docks),
+            self._often(troubles.batteries_every, self.people.change_batteries),
         ]
         work += map(self.people.store_schedule, self.names[: troubles.schedules])
         for each in work:
             self.chance.spawn(self._noting(each))
+        self.chance.spawn(self._noting(self._watch_robots()))
         until = self.chance.loop.time() + troubles.lasts
         while self.chance.loop.time() < until:
             await asyncio.sleep(60.0)
-            self._look()
+            self.checks.look()
         await self._settle()
         self.checks.check_all()
 
-    def _look(self) -> None:
-        for robot in self.robots.values():
-            if robot.charge < 0.05:
-                robot.put_on_charger()
-            servers = robot.servers.values()
-            held = any(robot.name in file.held or "/" in file.held for file in self._files.values())
-            if not robot.there or held or not all(server.up and server.awake.is_set() for server in servers):
-                self.calm_since[robot.name] = self.chance.loop.time()
-        self.checks.look()
+    async def _watch_robots(self) -> None:
+        while True:
+            await asyncio.sleep(2 * self.troubles.look_every)
+            now = self.chance.loop.time()
+            for robot in self.robots.values():
+                if robot.charge <= 0 and robot.on:
+                    self.chance.say("world", f"the battery of {robot.name} is empty")
+                    robot.switch_off()
+                servers = robot.servers.values()
+                held = any(robot.name in file.held or "/" in file.held for file in self._files.values())
+                if not robot.there or held or not all(server.up and server.awake.is_set() for server in servers):
+                    self.calm_since[robot.name] = max(now, self.calm_since[robot.name])
+            if not any(gateway.ready and not gateway.dead for gateway in self.gateways):
+                self.gateways_since = now
+            self.checks.look_at_robots()
 
     async def _noting(self, work: Coroutine[Any, Any, None], gateway: Gateway | None = None) -> None:
         """Note an error of the simulation itself, or of a gateway that was not killed."""
@@ -130,40 +151,53 @@ class World:
         self.docks.blocked.clear()
         for robot in self.robots.values():
             robot.mend()
-            robot.put_on_charger()
+            robot.change_battery()
         began = self.chance.loop.time()
         while self.chance.loop.time() - began < SETTLES_WITHIN:
             await asyncio.sleep(60.0)
-            self._look()
+            self.checks.look()
             if not any(gateway.ready and not gateway.dead for gateway in self.gateways):
                 continue
             await self.people.release(None)
             await self.people.remove_schedules()
             await self.people.clear_docks()
+            await self.people.repair_docks()
+            await self.people.change_batteries()
             missions = self.checks.stored()
             if not missions and self.checks.added.keys() == self.checks.ended.keys():
                 return
             for mission_id, mission in missions.items():
-                if mission.status is MissionStatus.HELD:
-                    await self.people.go_on(mission_id, mission)
-                elif self._waits_for_lost_goal(mission_id):
+                if mission.in_queue and self._random.random() < 0.05:
                     await self.people.cancel(mission_id, mission)
+                elif mission.status is MissionStatus.HELD:
+                    await self.people.go_on(mission_id, mission)
+                elif self._waits_for(mission_id, WaitsFor.LOST_GOAL):
+                    await self.people.cancel(mission_id, mission)
+                elif self._waits_for(mission_id, WaitsFor.CONTINUE):
+                    await self.people.go_on(mission_id, mission)
 
-    def _waits_for_lost_goal(self, mission_id: str) -> bool:
-        """Return whether a mission waits for a goal that its server no longer knows."""
-        said = [gateway.missions.book.waits.get(mission_id) for gateway in self.gateways if gateway.ready]
-        return WaitsFor.LOST_GOAL in said
+    def _waits_for(self, mission_id: str, reason: WaitsFor) -> bool:
+        """Return whether a gateway says that a mission waits for something."""
+        return reason in (gateway.missions.book.waits.get(mission_id) for gateway in self.gateways if gateway.ready)
+
+    def goals_on(self, robot: str) -> list[Goal]:
+        """Return the goals on a robot that gateways follow."""
+        ready = [gateway for gateway in self.gateways if gateway.ready and not gateway.dead]
+        goals = [goal for gateway in ready for goal in (*gateway.actions.running(), *gateway.actions.lost())]
+        return [goal for goal in goals if is_under(goal.action_name, robot)]
 
     # ------------------------------------------------------------------ gateways
 
     def _start(self, name: str) -> None:
         gateway = Gateway(self, name, self._files[name], self._spools[name])
         self.gateways = [other for other in self.gateways if not other.dead] + [gateway]
+        self.gateways_since = self.chance.loop.time()
         gateway.spawn(self._noting(gateway.run(), gateway))
 
     def on_killed(self, gateway: Gateway) -> None:
         """A gateway was killed; it starts again."""
         self.checks.counts["kills"] += 1
+        self.gateways_since = self.chance.loop.time()
         self.chance.later(
             self._random.choice([0.5, 5.0, self._random.uniform(5, 120)]), lambda: self._start(gateway.name)
         )
@@ -221,6 +255,7 @@ class World:
         if not robot.there or not server.up:
             return
         self.chance.say("world", f"{kind} {robot.name} {server.name} for {takes:.0f} s")
+        self.calm_since[robot.name] = self.chance.loop.time() + takes
         if kind == "freeze":
             self.checks.lost_sight(robot)
             server.freeze(takes)
