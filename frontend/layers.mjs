@@ -13,10 +13,10 @@ const LAYERS = [
   // Components that know no robot.
   "ui",
   // What features share: all robots, what extensions can add, who uses the page, one goal in words.
-  ...["fleet", "extension", "access", "goal", "stop", "alerts"],
+  ...["fleet", "extension", "access", "goal", "stop"],
   // Features.
   ...["battery", "docking", "scene", "actions", "goals", "operations", "entries", "approvals"],
-  ...["notifications", "graph"],
+  ...["alerts", "notifications", "graph"],
   // What puts features together.
   ...["pages/robot", "pages/overview", "pages/map", "pages/wall", "pages", "search", "layout"],
 ];

@@ -62,7 +62,7 @@ describe("the overview of several robots", () => {
     renderPage(fakeGateway(), { robots });
     expect(rows().map((text) => text?.match(/^\/robot\d+/)?.[0])).toEqual(["/robot1", "/robot2", "/robot10"]);
     expect(row("/robot1").textContent).toMatch(
-      /Docked.*24 %.*not charging.*now.*Idle.*On the dock.*Connected/,
+      /Docked.*24 %.*not charging.*now.*Idle.*Reached the dock.*Connected/,
     );
     expect(row("/robot2").textContent).toMatch(/Not docked.*81 %.*charging.*Dock: Controlling.*No goals yet/);
     expect(row("/robot10").textContent).toMatch(/2.16 V.*stale: .* ago.*Stopped by Ada.*Silent/);
@@ -104,14 +104,17 @@ describe("the overview of several robots", () => {
     expect(screen.getByRole("button", { name: "1 Unreachable" })).toBeDefined();
   });
 
-  it("puts those with alerts first, and says so in words", () => {
+  it("leaves a robot in its place when it has an alert, and says so in words", () => {
     const alerts = [
       alert("a", { robot: "/robot10" }),
       alert("b", { robot: "/robot2", severity: "critical" }),
     ];
     renderPage(fakeGateway(), { robots, alerts });
-    expect(rows()[0]).toMatch(/^Critical alert: \/robot2/);
-    expect(rows()[1]).toMatch(/^Warning: \/robot10/);
+    expect(rows()).toEqual([
+      expect.stringMatching(/^\/robot1\D/),
+      expect.stringMatching(/^Critical alert: \/robot2/),
+      expect.stringMatching(/^Warning: \/robot10/),
+    ]);
   });
 
   it("sorts by a column, the other way round, and no more", async () => {
@@ -357,7 +360,7 @@ describe("alerts", () => {
     const alerts = [
       alert("low", { robot: "/hall/robot1" }),
       alert("ours", { robot: null, title: "History lost" }),
-      alert("hall", { ...stop, robot: "/hall" }),
+      alert("hall", { ...stop, robot: "/hall", detail: "/hall and 1 below it was stopped." }),
       alert("other", { ...stop, robot: "/robot2" }),
       alert("seen", { robot: "/robot2", acknowledged: seen }),
     ];
@@ -438,7 +441,7 @@ describe("the list's view", () => {
     });
     expect(overviewView.write(view).toString()).toBe(query.toString());
     expect(
-      overviewView.write(overviewView.read(new URLSearchParams("show=what&sort=ever&order=desc"))).toString(),
+      overviewView.write(overviewView.read(new URLSearchParams("show=what&sort=ever&order=ever"))).toString(),
     ).toBe("");
     expect(overviewView.read(new URLSearchParams("hide=")).hidden).toEqual([]);
     expect(overviewView.read(new URLSearchParams("hide=link,wheels,place")).hidden).toEqual([

@@ -330,15 +330,9 @@ describe("the picture in words", () => {
     expect(describePose({ x: -0.001, y: 0, theta: -0.001 })).toBe("x 0.00 m, y 0.00 m, heading 0°");
   });
 
-  it("says whether it is docked, and how far it is where it is not", () => {
-    expect(describeScene(emptyScene, null)).toMatch(/Not docked: 1\.36 m to go\.$/);
-    const docked = { ...emptyScene, robot: { x: -0.21, y: 0.01, theta: 0.02 } };
-    expect(describeScene(docked, null)).toMatch(/ Docked\.$/);
-    const turned = { ...emptyScene, robot: { x: -0.2, y: 0, theta: 0.2 } };
-    expect(describeScene(turned, null)).toMatch(/Not docked/);
-  });
-
-  it("believes the simulator more than its own eyes", () => {
+  it("says how far it is to the dock, and docked only where the gateway says so", () => {
+    expect(describeScene(emptyScene, null)).toMatch(/\. 1\.36 m from its place on the dock\.$/);
+    expect(describeScene(emptyScene, false)).toMatch(/Not docked: 1\.36 m to go\.$/);
     expect(describeScene(emptyScene, true)).toMatch(/ Docked\.$/);
     const docked = { ...emptyScene, robot: { x: -0.2, y: 0, theta: 0 } };
     expect(describeScene(docked, false)).toMatch(/Not docked/);

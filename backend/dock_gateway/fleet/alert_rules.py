@@ -151,14 +151,20 @@ class AlertRules:
             self._low_since.pop(name, None)
             self._low_at.pop(name, None)
             return
-        on_dock = f"Check the contacts and the charger.{_about_current(state)}"
-        yield Alert(
-            alert_kinds.LOW_BATTERY,
-            name,
-            self._low_since.setdefault(name, now),
-            "Low battery",
-            f"The battery of {name} has fallen below {self._low_battery:.0%} and is not charging"
-            f"{f', although it is docked. {on_dock}' if state.on_dock else '. Send the robot to its dock.'}",
+        since = self._low_since.setdefault(name, now)
+        yield Alert(alert_kinds.LOW_BATTERY, name, since, "Low battery", self._about_low(state))
+
+    def _about_low(self, state: RobotState) -> str:
+        """Return what the battery was, what to do, and when the alert ends; not what it is now, which changes."""
+        charging = "" if state.charging is None else " and is not charging"
+        advice = (
+            f", although it is docked. Check the contacts and the charger.{_about_current(state)}"
+            if state.on_dock
+            else ". Send the robot to its dock."
+        )
+        return (
+            f"The battery of {state.name} fell below {self._low_battery:.0%}{charging}{advice} "
+            f"This alert ends at {self._low_battery + MARGIN:.0%}, when a docking goal runs, or when it charges."
         )
 
     def _implausible(self, state: RobotState, now: datetime) -> Iterator[Alert]:

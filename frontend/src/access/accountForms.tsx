@@ -6,7 +6,7 @@ import type { CreatedToken, Token, TokenBody, User, UserBody } from "../api/acce
 import { LIMITS } from "../api/limits.gen";
 import { ROLES, type Role } from "../api/session";
 import type { Base } from "../api/version";
-import { useFleetTopic } from "../fleet/context";
+import { useFleetTopic, useNaming } from "../fleet/context";
 import { Conflict, isConflict } from "../ui/Conflict";
 import { SaveBar } from "../ui/Dialog";
 import { NewPassword, passwordProblem } from "./PasswordDialog";
@@ -192,7 +192,7 @@ interface GrantFieldsProps {
 
 /** What somebody may do, and with which robots, actions and topics. */
 function GrantFields({ grant, tried, onChange }: GrantFieldsProps) {
-  const robots = [...useFleetTopic("robots").keys()].sort();
+  const robots = useNaming().inOrder(useFleetTopic("robots").keys());
   const choose = (role: Role) => onChange(role === "admin" ? { role, ...NO_LIMITS } : { role });
   return (
     <>

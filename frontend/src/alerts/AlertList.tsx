@@ -1,12 +1,14 @@
 import type { Alert } from "@dock-gateway/client";
 import { Anchor, Button, Group, Paper, Stack, Text, TextInput, Title } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
-import { type FormEvent, memo, useId, useMemo, useState } from "react";
+import { type FormEvent, Fragment, memo, useId, useMemo, useState } from "react";
 import { Link } from "react-router";
 import { MAX_NAME, ownName, setOwnName } from "../access/who";
 import { createAlerts } from "../api/client";
-import { useFleet, useFleetTopic, useNaming, useWhyNot } from "../fleet/context";
+import { formatPercentage } from "../battery/words";
+import { useFleet, useFleetPart, useFleetTopic, useNaming, useWhyNot } from "../fleet/context";
 import { goalPath, robotPath } from "../fleet/names";
+import { believed } from "../store/batterySeries";
 import { Dialog } from "../ui/Dialog";
 import { CommandErrorAlert } from "../ui/errors";
 import { ReasonButton } from "../ui/ReasonButton";
@@ -14,7 +16,7 @@ import { useCommand } from "../ui/requests";
 import { Time } from "../ui/Time";
 import classes from "./alerts.module.css";
 import { SeverityMark } from "./marks";
-import { alertsOf, openAlerts, urgentFirst } from "./order";
+import { alertsOf, openAlerts, together, urgentFirst } from "./order";
 
 /** The number of alerts that are shown at first. */
 const FIRST = 4;
@@ -33,9 +35,10 @@ export const AlertList = memo(function AlertList({ quiet = false, group = null }
   const sorted = useMemo(() => urgentFirst(alertsOf(alerts, group, naming)), [alerts, group, naming]);
   const [all, setAll] = useState(false);
   const id = useId();
-  const open = openAlerts(sorted).length;
-  const shown = all ? sorted : sorted.slice(0, Math.min(open, FIRST));
-  const hidden = sorted.length - shown.length;
+  const items = useMemo(() => together(sorted), [sorted]);
+  const open = together(openAlerts(sorted)).length;
+  const shown = all ? items : items.slice(0, Math.min(open, FIRST));
+  const hidden = items.length - shown.length;
   if (quiet && sorted.length === 0) return null;
 
   return (
@@ -45,13 +48,13 @@ export const AlertList = memo(function AlertList({ quiet = false, group = null }
           Alerts
         </Title>
         <Text size="sm" c={open === 0 ? "dimmed" : undefined}>
-          {summary(open, sorted.length - open, group)}
+          {summary(open, items.length - open, group)}
         </Text>
       </Group>
       {shown.length > 0 && (
         <ul className={classes.alerts}>
-          {shown.map((alert) => (
-            <AlertItem key={alert.id} alert={alert} />
+          {shown.map((alerts) => (
+            <AlertItem key={alerts[0]?.id} alerts={alerts} />
           ))}
         </ul>
       )}
@@ -62,7 +65,7 @@ export const AlertList = memo(function AlertList({ quiet = false, group = null }
       )}
       {sorted.length < alerts.length && (
         <Text size="sm" mt="xs">
-          {outsideWords(alerts.filter((alert) => !sorted.includes(alert)))}
+          {outsideWords(together(alerts.filter((alert) => !sorted.includes(alert))))}
         </Text>
       )}
     </Paper>
@@ -77,18 +80,27 @@ function summary(open: number, acknowledged: number, group: string | null): stri
 }
 
 /** What is said of the alerts that the group filter hides. */
-function outsideWords(outside: readonly Alert[]): string {
-  const critical = openAlerts(outside).filter(({ severity }) => severity === "critical").length;
+function outsideWords(outside: readonly Alert[][]): string {
+  const critical = outside.filter(
+    ([first]) => first?.acknowledged === null && first.severity === "critical",
+  ).length;
   const hidden =
     outside.length === 1 ? "1 alert of another robot is" : `${outside.length} alerts of other robots are`;
   return `${hidden} hidden by the group filter${critical > 0 ? `, ${critical} critical` : ""}.`;
 }
 
-/** One alert: what it is, what to do, and who has seen it. */
-const AlertItem = memo(function AlertItem({ alert }: { alert: Alert }) {
+/** So many robots of one alert are named, and the rest are counted. */
+const NAMES = 6;
+
+/** One alert, or what is one for several robots: what it is, what to do, and who has seen it. */
+function AlertItem({ alerts }: { alerts: readonly Alert[] }) {
   const naming = useNaming();
-  const { id, robot, severity, title, detail, started_at, goal_id, acknowledged } = alert;
-  const what = robot === null ? title : `${title}: ${naming.fullNameOf(robot)}`;
+  const [alert] = alerts;
+  if (alert === undefined) return null;
+  const { robot, severity, title, detail, started_at, goal_id, acknowledged } = alert;
+  const robots = naming.inOrder(alerts.flatMap((each) => each.robot ?? []));
+  const what =
+    robots.length === 0 ? title : `${title}: ${robots.map((name) => naming.fullNameOf(name)).join(", ")}`;
   return (
     <li
       className={classes.alert}
@@ -99,18 +111,21 @@ const AlertItem = memo(function AlertItem({ alert }: { alert: Alert }) {
       <div className={classes.words}>
         <Text fw={600}>
           {title}
-          {robot !== null && (
-            <>
-              {": "}
-              <Anchor component={Link} to={robotPath(robot)} inherit underline="always">
-                {naming.fullNameOf(robot)}
+          {robots.length > 0 && ": "}
+          {robots.slice(0, NAMES).map((name, index) => (
+            <Fragment key={name}>
+              {index > 0 && ", "}
+              <Anchor component={Link} to={robotPath(name)} inherit underline="always">
+                {naming.fullNameOf(name)}
               </Anchor>
-            </>
-          )}
+            </Fragment>
+          ))}
+          {robots.length > NAMES && ` and ${robots.length - NAMES} more`}
         </Text>
-        <Text size="sm">{detail}</Text>
+        <Text size="sm">{alerts.length === 1 ? detail : STOPPED}</Text>
         <Text size="sm" c="dimmed">
           {severity === "critical" ? "Critical" : "Warning"}, since <Time value={started_at} />
+          {alert.kind === "low_battery" && robot !== null && <BatteryNow robot={robot} />}
           {goal_id !== null && (
             <>
               {". "}
@@ -122,26 +137,44 @@ const AlertItem = memo(function AlertItem({ alert }: { alert: Alert }) {
         </Text>
       </div>
       {acknowledged === null ? (
-        <AcknowledgeButton id={id} what={what} />
+        <AcknowledgeButton alerts={alerts} what={what} />
       ) : (
-        <Acknowledged alert={alert} what={what} {...acknowledged} />
+        <Acknowledged alerts={alerts} what={what} {...acknowledged} />
       )}
     </li>
   );
-});
-
-interface AcknowledgedProps {
-  alert: Alert;
-  what: string;
-  by: string;
-  acknowledged_at: string;
 }
 
-function Acknowledged({ alert, what, by, acknowledged_at }: AcknowledgedProps) {
+/** What is said of a stop of several robots. */
+const STOPPED = "Goals are refused. Check that the area is clear, then release the stop.";
+
+/** The charge of a robot as its row and its page say it. */
+function BatteryNow({ robot }: { robot: string }) {
+  return useFleetPart("robots", (robots) => {
+    const battery = robots.get(robot)?.battery;
+    const percentage = battery === undefined ? null : (believed(battery)?.percentage ?? null);
+    if (percentage === null) return "";
+    return battery?.stale
+      ? `, ${formatPercentage(percentage)} when last heard`
+      : `, ${formatPercentage(percentage)} now`;
+  });
+}
+
+interface AnswerProps {
+  alerts: readonly Alert[];
+  what: string;
+}
+
+function Acknowledged({
+  alerts,
+  what,
+  by,
+  acknowledged_at,
+}: AnswerProps & { by: string; acknowledged_at: string }) {
   const { http, store } = useFleet();
   const withdraw = useCommand(async () => {
-    await createAlerts(http).withdraw(alert.id);
-    store.setAlert({ ...alert, acknowledged: null });
+    await Promise.all(alerts.map(({ id }) => createAlerts(http).withdraw(id)));
+    for (const alert of alerts) store.setAlert({ ...alert, acknowledged: null });
   });
   const reason = useWhyNotAnswer(withdraw.isPending);
   return (
@@ -170,12 +203,14 @@ function Acknowledged({ alert, what, by, acknowledged_at }: AcknowledgedProps) {
 }
 
 /** Acknowledges an alert with the name that was given on this computer; asks for one where there is none. */
-function AcknowledgeButton({ id, what }: { id: string; what: string }) {
+function AcknowledgeButton({ alerts, what }: AnswerProps) {
   const { http, store } = useFleet();
   const [asking, ask] = useDisclosure(false);
-  const acknowledge = useCommand(async (by: string) =>
-    store.setAlert(await createAlerts(http).acknowledge(id, by)),
-  );
+  const acknowledge = useCommand(async (by: string) => {
+    const api = createAlerts(http);
+    for (const answer of await Promise.all(alerts.map(({ id }) => api.acknowledge(id, by))))
+      store.setAlert(answer);
+  });
   const reason = useWhyNotAnswer(acknowledge.isPending);
   const press = () => {
     const name = ownName().trim();

@@ -1,7 +1,7 @@
 import { VisuallyHidden } from "@mantine/core";
 import { useFleetTopic } from "../fleet/context";
 import classes from "./alerts.module.css";
-import { openAlerts } from "./order";
+import { openAlerts, together } from "./order";
 
 export type Mark = "critical" | "warning" | "acknowledged";
 
@@ -34,7 +34,7 @@ export function SeverityMark({ mark }: { mark: Mark }) {
 export function AlertCount() {
   const open = openAlerts(useFleetTopic("alerts"));
   const critical = open.some(({ severity }) => severity === "critical");
-  const count = open.length;
+  const count = together(open).length;
   return (
     <span role="status">
       {count > 0 && (

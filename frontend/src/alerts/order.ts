@@ -1,5 +1,6 @@
 import type { Alert } from "@dock-gateway/client";
 import { isUnder, type Naming } from "../fleet/names";
+import { ONE_STOP_MS } from "../stop/held";
 
 /** What needs eyes first: not acknowledged before acknowledged, critical before warning, new before old. */
 export function urgentFirst(alerts: readonly Alert[]): Alert[] {
@@ -14,6 +15,36 @@ export function urgentFirst(alerts: readonly Alert[]): Alert[] {
 /** The alerts that are not acknowledged. */
 export function openAlerts(alerts: readonly Alert[]): Alert[] {
   return alerts.filter((alert) => alert.acknowledged === null);
+}
+
+/**
+ * Alerts that are shown as one: a stop of several robots is one alert, unless some of it was acknowledged by others.
+ *
+ * @param sorted In the order in which they are shown.
+ */
+export function together(sorted: readonly Alert[]): Alert[][] {
+  const shown: Alert[][] = [];
+  for (const alert of sorted) {
+    const same = shown.find(([first]) => first !== undefined && isOneStop(first, alert));
+    if (same === undefined) shown.push([alert]);
+    else same.push(alert);
+  }
+  return shown;
+}
+
+function isOneStop(one: Alert, other: Alert): boolean {
+  return (
+    one.kind === "stop_latched" &&
+    other.kind === one.kind &&
+    one.acknowledged?.by === other.acknowledged?.by &&
+    Math.abs(Date.parse(one.started_at) - Date.parse(other.started_at)) < ONE_STOP_MS &&
+    withoutRobot(one) === withoutRobot(other)
+  );
+}
+
+/** What it says, whichever robot it is about. */
+function withoutRobot({ robot, detail }: Alert): string {
+  return robot === null ? detail : detail.replace(robot, "");
 }
 
 /** The alerts of a group: of its robots, of stops that hold one of them, and of the gateway itself; null is all. */

@@ -4,6 +4,7 @@ import { useDisclosure } from "@mantine/hooks";
 import { Suspense, useId, useState } from "react";
 import { useAtTime } from "../clock/clock";
 import { FreshnessBadge } from "../fleet/badges";
+import { useRobotPart } from "../fleet/robot";
 import { useFreshness, useServices, useTopicPart } from "../store/context";
 import { RENDER_INTERVAL_MS } from "../store/streamStore";
 import { Fact, FactList } from "../ui/Fact";
@@ -21,6 +22,7 @@ import {
   HEALTH_WORDS,
   implausibleWords,
   isLow,
+  statusOf,
   statusWords,
   TECHNOLOGY_WORDS,
 } from "./words";
@@ -85,17 +87,18 @@ export function BatteryCard() {
 
 /** What is looked at every day. */
 function Values({ old }: { old: boolean }) {
+  const charging = useRobotPart((robot) => robot?.charging ?? null);
   return (
     <dl className={classes.values}>
       <Fact name="Percentage">
         <span className={classes.level}>
-          <Gauge old={old} />
+          <Gauge old={old} charging={charging} />
           <Said read={({ percentage }) => formatPercentage(percentage)} />
         </span>
       </Fact>
       <Fact name="Status">
         <span data-testid="battery-status">
-          <Said read={(state) => statusWords(state.power_supply_status)} />
+          <Said read={(state) => statusWords(statusOf(state.power_supply_status, charging))} />
         </span>
       </Fact>
       <Fact name="Voltage">
@@ -160,10 +163,10 @@ function NoBattery({ live }: { live: boolean }) {
   );
 }
 
-function Gauge({ old }: { old: boolean }) {
+function Gauge({ old, charging }: { old: boolean; charging: boolean | null }) {
   const filled = useTopicPart("battery", ({ state }) => inSteps(state?.percentage ?? null));
   const charge = useTopicPart("battery", ({ state, lowBelow }) =>
-    state === null ? "ok" : chargeOf(state, lowBelow),
+    state === null ? "ok" : chargeOf(state, lowBelow, charging),
   );
   return <ChargeBar filled={filled} charge={charge} old={old} />;
 }
@@ -248,7 +251,7 @@ export type Charge = "charging" | "low" | "ok";
 export function chargeOf(
   state: { percentage: number | null; power_supply_status: number },
   lowBelow: number,
-  charging: boolean | null = null,
+  charging: boolean | null,
 ): Charge {
   const status = state.power_supply_status;
   if (charging || status === CHARGING || status === FULL) return "charging";

@@ -40,6 +40,15 @@ export function isLow(
   return percentage !== null && percentage < lowBelow && status !== CHARGING && status !== FULL;
 }
 
+/**
+ * The status of a battery as every page says it.
+ *
+ * @param charging What the gateway knows beyond the status, as of a docked robot whose driver sends UNKNOWN; null where that is nothing.
+ */
+export function statusOf(status: number, charging: boolean | null): number {
+  return status === 0 && charging === true ? CHARGING : status;
+}
+
 export function statusWords(status: number): string {
   return STATUS_WORDS[status] ?? `Status ${status}`;
 }

@@ -1,9 +1,8 @@
 import { type ActionServer, isTerminal } from "@dock-gateway/client";
 import { Badge, Stack, Text, Tooltip, VisuallyHidden } from "@mantine/core";
-import { useFleetPart } from "../fleet/context";
-import { defaultRobot } from "../fleet/names";
+import { useRobotPart } from "../fleet/robot";
 import { currentGoal } from "../goal/words";
-import { useLive, useServices, useTopic } from "../store/context";
+import { useLive, useTopic } from "../store/context";
 import { Command } from "../ui/CopyButton";
 import { Section } from "../ui/Section";
 import { DockingControls } from "./DockingControls";
@@ -46,8 +45,7 @@ function NoGoal() {
 
 /** How the robot gets a docking server that is in another namespace: the lines to set. */
 function JoinHint() {
-  const { robot } = useServices();
-  const join = useFleetPart("robots", (robots) => robots.get(robot ?? defaultRobot(robots))?.join ?? null);
+  const join = useRobotPart((robot) => robot?.join ?? null);
   if (join === null) return null;
   return (
     <Stack gap={4} data-testid="join">

@@ -20,8 +20,8 @@ interface RobotFieldsProps {
 /** Chooses all robots, or some by their names and groups. */
 export function RobotFields({ chosen, error, onChange }: RobotFieldsProps) {
   const naming = useNaming();
-  const known = [...useFleetTopic("robots").keys()];
-  const robots = [...new Set([...known, ...chosen.names])].sort();
+  const known = useFleetTopic("robots").keys();
+  const robots = naming.inOrder([...known, ...chosen.names]);
   const groups = [...new Set([...naming.groups(), ...chosen.groups])].sort();
   return (
     <Stack gap="sm">
@@ -88,7 +88,7 @@ interface RobotSelectProps extends Pick<NativeSelectProps, "label" | "aria-label
 export function RobotSelect({ robot, onRobot, ...props }: RobotSelectProps) {
   const robots = useFleetTopic("robots");
   const naming = useNaming();
-  const names = [...new Set([...robots.keys(), ...(robot === null ? [] : [robot])])].sort();
+  const names = naming.inOrder([...robots.keys(), ...(robot === null ? [] : [robot])]);
   const options = names.map((name) => ({
     value: name,
     label: naming.besides(name) === null ? name : naming.fullNameOf(name),

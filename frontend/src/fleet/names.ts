@@ -92,6 +92,17 @@ export class Naming {
     return owner !== null && this.groupsOf(owner).includes(group);
   }
 
+  /** Compares two robots by their namespaces: the order in which every page lists robots. */
+  compare(a: string, b: string): number {
+    const named = (name: string) => ({ name, display_name: this.displayNameOf(name) });
+    return inOrder(named(a), named(b));
+  }
+
+  /** Robots by their namespaces, each once, in the order of every page. */
+  inOrder(robots: Iterable<string>): string[] {
+    return [...new Set(robots)].sort((a, b) => this.compare(a, b));
+  }
+
   /** The groups of all robots, in alphabetical order. */
   groups(): string[] {
     const all = [...this.#labels.values()].flatMap(({ groups }) => groups);
@@ -134,6 +145,15 @@ const collator = new Intl.Collator(undefined, { numeric: true });
 /** `/robot2` before `/robot10`. */
 export function byName(a: string, b: string): number {
   return collator.compare(a, b);
+}
+
+/** The order in which every page lists robots: by site, then by the name that is shown, `/robot2` before `/robot10`. */
+export function inOrder(a: Omit<Label, "groups">, b: Omit<Label, "groups">): number {
+  return (
+    byName(placeOf(a.name).site ?? "", placeOf(b.name).site ?? "") ||
+    byName(robotName(a), robotName(b)) ||
+    byName(a.name, b.name)
+  );
 }
 
 /** The tabs of a robot's page, as its address names them. */

@@ -21,10 +21,18 @@ export function placeWords(docked: boolean | null): string {
 
 /**
  * How a robot can be reached. `unreachable`: nothing of it answers, neither a docking server nor a battery that was heard
- * before. `gone`: its battery is heard, but its docking servers have left the graph. `away`: its site is not
- * connected, and what is known of the robot is as it was then.
+ * before. `gone`: its battery is heard, but its docking servers have left the graph. `stale`: its docking servers answer,
+ * but its battery is heard no more. `away`: its site is not connected, and what is known of the robot is as it was then.
  */
-export type Link = "away" | "connected" | "silent" | "duplicate" | "gone" | "battery" | "unreachable";
+export type Link =
+  | "away"
+  | "connected"
+  | "stale"
+  | "silent"
+  | "duplicate"
+  | "gone"
+  | "battery"
+  | "unreachable";
 
 export function linkOf({ dock, undock, battery, site_state = "connected" }: Linked): Link {
   if (site_state !== "connected") return "away";
@@ -32,9 +40,10 @@ export function linkOf({ dock, undock, battery, site_state = "connected" }: Link
   const available = servers.filter((server) => server.available);
   if (available.some((server) => server.duplicate)) return "duplicate";
   const answering = available.filter((server) => server.answering).length;
-  if (answering > 0) return answering === available.length ? "connected" : "silent";
   const batteryEverHeard = battery.state !== null;
-  if (batteryEverHeard && battery.stale) return "unreachable";
+  const batteryLost = batteryEverHeard && battery.stale;
+  if (answering > 0) return answering < available.length ? "silent" : batteryLost ? "stale" : "connected";
+  if (batteryLost) return "unreachable";
   if (available.length > 0) return "silent";
   if (!batteryEverHeard) return "unreachable";
   return servers.length > 0 ? "gone" : "battery";
@@ -53,6 +62,7 @@ export function isUnreachable(robot: Robot): boolean {
 
 export const LINK_WORDS: Record<Link, string> = {
   connected: "Connected",
+  stale: "No battery state",
   silent: "Silent",
   duplicate: "Two servers",
   gone: "No docking server",
@@ -63,7 +73,9 @@ export const LINK_WORDS: Record<Link, string> = {
 
 const LINK_HINTS: Record<Link, string> = {
   away: "The server does not reach its site. What is shown is what was last known; the robot may have moved since.",
-  connected: "Its action servers answer.",
+  connected: "Its action servers answer, and its battery is heard where it has one.",
+  stale:
+    "Its action servers answer, but its battery is heard no more: the robot may be frozen or switched off. Check it, and its battery driver.",
   silent: "An action server is on the graph but does not answer: it may be frozen. Look at its log.",
   duplicate: "More than one action server serves its docking action: shut down all but one.",
   gone: "No action server for its docking action: start its docking server.",

@@ -41,10 +41,11 @@ const EXECUTING: Record<Verb | "other", string> = {
   undock: "Backing out of the dock.",
 };
 
+/** What the goal came to: where the robot is now is said beside its name. */
 const SUCCEEDED: Record<Verb | "other", string> = {
   other: "The goal succeeded.",
-  dock: "The robot is on the dock.",
-  undock: "The robot is off the dock.",
+  dock: "The robot reached the dock.",
+  undock: "The robot left the dock.",
 };
 
 const ABORTED: Record<Verb | "other", string> = {
@@ -167,7 +168,7 @@ export function codeWords(code: string): string {
   return SHORT[code] ?? sentence(code.replaceAll("_", " "));
 }
 
-const REACHED: Record<Verb, string> = { dock: "On the dock", undock: "Off the dock" };
+const REACHED: Record<Verb, string> = { dock: "Reached the dock", undock: "Left the dock" };
 
 /** A few words for a table; the goal's page says more. */
 export function outcome(goal: Meant): string {

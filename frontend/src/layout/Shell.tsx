@@ -3,7 +3,7 @@ import { type RefObject, Suspense, useLayoutEffect, useRef } from "react";
 import { Outlet, useLocation } from "react-router";
 import { LoginEnded } from "../access/Entrance";
 import { OpenBanner } from "../access/OpenNotice";
-import { openAlerts } from "../alerts/order";
+import { openAlerts, together } from "../alerts/order";
 import { useSession } from "../api/session";
 import { ApprovalBanner } from "../approvals/ApprovalBanner";
 import { Parts } from "../extension/context";
@@ -23,7 +23,7 @@ export function Shell() {
   useFocusOnNavigation(main, pathname);
   const { principal } = useSession();
   const loggedOut = principal === null;
-  const alerts = openAlerts(useFleetTopic("alerts")).length;
+  const alerts = together(openAlerts(useFleetTopic("alerts"))).length;
   return (
     <TitlePrefixProvider value={alerts === 0 ? "" : `(${alerts}) `}>
       <OperationsProvider>

@@ -1,7 +1,6 @@
 import { Alert, Button, Group, NativeSelect, NumberInput, SimpleGrid, Stack, TextInput } from "@mantine/core";
 import { useState } from "react";
 import { useFleetTopic, useNaming } from "../fleet/context";
-import { byName } from "../fleet/names";
 import { isThere } from "../fleet/words";
 import type { PoseDraft, PoseErrors } from "./poseDraft";
 import { robotPose } from "./robotPose";
@@ -45,7 +44,7 @@ interface FromRobotProps {
 export function FromRobot({ verb = "Use", onPose }: FromRobotProps) {
   const naming = useNaming();
   const robots = useFleetTopic("robots");
-  const names = [...robots.values()].flatMap((each) => (isThere(each) ? [each.name] : [])).sort(byName);
+  const names = naming.inOrder([...robots.values()].flatMap((each) => (isThere(each) ? [each.name] : [])));
   const [chosen, choose] = useState<string | null>(null);
   const [state, setState] = useState<"idle" | "asking" | "unknown">("idle");
   const robot = chosen ?? names[0];

@@ -7,16 +7,9 @@ import { useDockList } from "../docking/docks";
 import { Parts } from "../extension/context";
 import type { Placing } from "../extension/extension";
 import { FreshnessBadge } from "../fleet/badges";
+import { useDocked } from "../fleet/robot";
 import { currentGoal } from "../goal/words";
-import {
-  type Freshness,
-  useFreshness,
-  useLayers,
-  useScene,
-  useServices,
-  useTopic,
-  useTopicPart,
-} from "../store/context";
+import { type Freshness, useFreshness, useLayers, useScene, useServices, useTopic } from "../store/context";
 import { frameIn, type LegendEntry } from "../store/layers";
 import type { CmdVel } from "../store/state";
 import { RENDER_INTERVAL_MS } from "../store/streamStore";
@@ -132,7 +125,7 @@ function MapNote() {
 
 /** The picture in words, for screen readers. */
 function Words() {
-  const docked = useTopicPart("simulator", (simulator) => simulator?.docked ?? null);
+  const docked = useDocked();
   return useScene((scene) => (scene === null ? "" : describeScene(scene, docked)));
 }
 

@@ -1,9 +1,7 @@
 import type { Pose, Scene } from "@dock-gateway/client";
-import { distance, normalizeAngle, toDegrees } from "../store/geometry";
+import { distance, toDegrees } from "../store/geometry";
 import { fixed } from "../ui/numbers";
-import { CONTACT_RADIUS_M, shapesOf } from "./shapes";
-
-const CONTACT_ANGLE_RAD = (5 * Math.PI) / 180;
+import { shapesOf } from "./shapes";
 
 /** `x −1.50 m, y 0.40 m, heading 17°`. */
 export function describePose({ x, y, theta }: Pose): string {
@@ -13,7 +11,7 @@ export function describePose({ x, y, theta }: Pose): string {
 /**
  * The picture in words.
  *
- * @param docked What the simulator says, where there is one.
+ * @param docked What the gateway says, as every page shows it; null where that is unknown.
  */
 export function describeScene(scene: Scene, docked: boolean | null): string {
   const { robot } = scene;
@@ -22,12 +20,10 @@ export function describeScene(scene: Scene, docked: boolean | null): string {
   return `${where}${frame}. ${describeDocking(scene, robot, docked)}`;
 }
 
-function describeDocking(scene: Scene, robot: Pose, told: boolean | null): string {
+function describeDocking(scene: Scene, robot: Pose, docked: boolean | null): string {
+  if (docked === true) return "Docked.";
   const goal = shapesOf(scene).docked;
-  if (goal === null)
-    return told === null ? "Position of the dock unknown." : told ? "Docked." : "Not docked.";
-  const away = distance(robot, goal);
-  const turned = Math.abs(normalizeAngle(robot.theta - goal.theta));
-  const docked = told ?? (away <= CONTACT_RADIUS_M && turned <= CONTACT_ANGLE_RAD);
-  return docked ? "Docked." : `Not docked: ${fixed(away, 2)} m to go.`;
+  const away = goal === null ? null : `${fixed(distance(robot, goal), 2)} m`;
+  if (docked === false) return away === null ? "Not docked." : `Not docked: ${away} to go.`;
+  return away === null ? "Position of the dock unknown." : `${away} from its place on the dock.`;
 }

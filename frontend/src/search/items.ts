@@ -1,5 +1,5 @@
 import { type ActionInfo, actionPath, type LiveGoal, type Robot } from "@dock-gateway/client";
-import { byName, goalPath, isFound, Naming, namespaceWords, robotName, robotPath } from "../fleet/names";
+import { goalPath, inOrder, isFound, Naming, namespaceWords, robotName, robotPath } from "../fleet/names";
 import { goalTitle } from "../goal/words";
 import { OPERATION_NAMES, type Operation, operationsHere, whyNot } from "../operations/operation";
 
@@ -169,7 +169,5 @@ function ranked(robots: readonly Robot[], text: string): Robot[] {
     const lower = names.map((name) => name.toLowerCase());
     return lower.includes(text) ? 0 : lower.some((name) => name.startsWith(text)) ? 1 : 2;
   };
-  return robots
-    .filter((robot) => isFound(robot, text))
-    .sort((a, b) => rank(a) - rank(b) || byName(robotName(a), robotName(b)));
+  return robots.filter((robot) => isFound(robot, text)).sort((a, b) => rank(a) - rank(b) || inOrder(a, b));
 }

@@ -9,7 +9,7 @@ import { CommandErrorAlert } from "../ui/errors";
 import { ReasonButton } from "../ui/ReasonButton";
 import { useCommand } from "../ui/requests";
 import { Time } from "../ui/Time";
-import { type HeldStop, heldStops, holdsAll } from "./held";
+import { type HeldStop, heldStops, holdsAll, isOneStop } from "./held";
 import classes from "./stop.module.css";
 
 /** The number of names to show; further robots are counted. */
@@ -61,33 +61,52 @@ function tellHeight(banner: HTMLElement | null) {
   };
 }
 
-/** Several robots, each with a stop of its own. */
+/** Several robots, each with a stop of its own: one line where they were stopped together. */
 function Several({ held, all }: { held: readonly HeldStop[]; all: boolean }) {
   const naming = useNaming();
-  const count = held.reduce((sum, { holds }) => sum + holds.length, 0);
+  const names = held.flatMap(({ holds }) => holds);
+  const one = isOneStop(held) ? held[0] : undefined;
   return (
     <Stack gap="xs">
       <Group justify="space-between" gap="md">
         <div role="status">
           <Text fw={700} fz="lg">
             {all && "All "}
-            {count} robots are stopped
+            {names.length} robots {one === undefined ? "are stopped" : <Since {...one} />}
           </Text>
           <Text size="sm">
-            Zero velocity was sent, goals are canceled, and none is sent to a robot until its stop is
-            released.
+            {listNames(names, naming)}: Zero velocity was sent, goals are canceled, and none is sent to a
+            robot until its stop is released.
           </Text>
         </div>
         <Release held={held} />
       </Group>
-      <ul className={classes.held}>
-        {held.map((stop) => (
-          <li key={stop.robot}>
-            <Held stop={stop} what={listNames(stop.holds, naming)} />
-          </li>
-        ))}
-      </ul>
+      <details open={one === undefined}>
+        <summary className={classes.each}>Release one at a time</summary>
+        <ul className={classes.held}>
+          {held.map((stop) => (
+            <li key={stop.robot}>
+              <Held stop={stop} what={listNames(stop.holds, naming)} />
+            </li>
+          ))}
+        </ul>
+      </details>
     </Stack>
+  );
+}
+
+/** `stopped by Ada at 17:02:11` */
+function Since({ by, since }: Pick<HeldStop, "by" | "since">) {
+  return (
+    <>
+      stopped{by !== null && ` by ${by}`}
+      {since !== null && (
+        <>
+          {" "}
+          at <Time value={since} />
+        </>
+      )}
+    </>
   );
 }
 
@@ -110,13 +129,7 @@ function Held({ stop, what, large = false, children }: HeldProps) {
           fz={large ? "lg" : "md"}
           title={holds.map((name) => naming.fullNameOf(name)).join(", ")}
         >
-          {what} stopped{by !== null && ` by ${by}`}
-          {since !== null && (
-            <>
-              {" "}
-              at <Time value={since} />
-            </>
-          )}
+          {what} <Since by={by} since={since} />
         </Text>
         <Text size="sm">{children}</Text>
         {!persisted && (

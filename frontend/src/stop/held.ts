@@ -1,5 +1,5 @@
 import type { Robot, StopState } from "@dock-gateway/client";
-import { byName, defaultRobot, isUnder } from "../fleet/names";
+import { defaultRobot, inOrder, isUnder } from "../fleet/names";
 import { isThere } from "../fleet/words";
 
 /** A stop that holds, with what it holds besides; released for all of them together. */
@@ -24,19 +24,21 @@ export function heldStops(stop: StopState, robots: ReadonlyMap<string, Robot>): 
   for (const robot of robots.values()) if (robot.stop.latched) latched.set(robot.name, robot.stop);
   latched.delete(name);
   if (stop.latched) latched.set(name, stop);
-  const names = [...latched.keys()].sort(byName);
+  const label = (name: string) => robots.get(name) ?? { name, display_name: null };
+  const compare = (a: string, b: string) => inOrder(label(a), label(b));
+  const names = [...latched.keys()].sort(compare);
   return [...latched]
     .filter(([held]) => !names.some((other) => other !== held && isUnder(held, other)))
     .map(([held, { stopped_at: since, by, robots: under, persisted }]) => {
       const below = [...new Set([...names, ...under])]
         .filter((other) => other !== held && isUnder(other, held))
-        .sort(byName);
+        .sort(compare);
       const robot = robots.get(held);
       const exists = below.length === 0 || robot === undefined || isThere(robot);
       const holds = exists ? [held, ...below] : below;
       return { robot: held, since, by, persisted, holds };
     })
-    .sort((a, b) => byName(a.robot, b.robot));
+    .sort((a, b) => compare(a.robot, b.robot));
 }
 
 /** Whether there are several robots, and stops hold every one of them. */
@@ -44,4 +46,18 @@ export function holdsAll(held: readonly HeldStop[], robots: ReadonlyMap<string, 
   const names = new Set(held.flatMap(({ holds }) => holds));
   const there = [...robots.values()].filter(isThere);
   return there.length > 1 && there.every(({ name }) => names.has(name));
+}
+
+/** Stops that are so close together (ms) are one: those of many robots go in several requests. */
+export const ONE_STOP_MS = 2000;
+
+/** Whether robots were stopped together, by the same person, and all of it is stored. */
+export function isOneStop(held: readonly HeldStop[]): boolean {
+  const [first] = held;
+  return held.every(
+    ({ by, since, persisted }) =>
+      persisted &&
+      by === first?.by &&
+      Math.abs(Date.parse(since ?? "") - Date.parse(first?.since ?? "")) < ONE_STOP_MS,
+  );
 }

@@ -34,7 +34,7 @@ describe("a robot's goal", () => {
   it("is told by its stage while it runs, and by what came of it", () => {
     expect(runningWords(goal("a", { stage: "CONTROLLING" }))).toBe("Dock: Controlling");
     expect(runningWords(goal("a", fibonacci))).toBe("Fibonacci: executing");
-    expect(lastWords(undockGoal("a", { status: "succeeded" }))).toBe("Off the dock");
+    expect(lastWords(undockGoal("a", { status: "succeeded" }))).toBe("Left the dock");
     expect(lastWords(undockGoal("a", { status: "canceled" }))).toBe("Undock canceled");
     expect(lastWords(goal("a", { ...fibonacci, status: "succeeded" }))).toBe("Fibonacci succeeded");
   });

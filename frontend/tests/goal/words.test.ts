@@ -49,10 +49,10 @@ describe("a goal in words", () => {
   });
 
   it("means the same on every page, whatever its action", () => {
-    expect(meaning(goal("a", { status: "succeeded" }))).toBe("The robot is on the dock.");
-    expect(meaning(undockGoal("a", { status: "succeeded" }))).toBe("The robot is off the dock.");
+    expect(meaning(goal("a", { status: "succeeded" }))).toBe("The robot reached the dock.");
+    expect(meaning(undockGoal("a", { status: "succeeded" }))).toBe("The robot left the dock.");
     expect(meaning(goal("a", { verb: null, status: "succeeded" }))).toBe("The goal succeeded.");
     const ours = { action_name: "/base/park", action_type: "our_msgs/action/Park" };
-    expect(meaning(goal("a", { ...ours, status: "succeeded" }))).toBe("The robot is on the dock.");
+    expect(meaning(goal("a", { ...ours, status: "succeeded" }))).toBe("The robot reached the dock.");
   });
 });

@@ -166,7 +166,7 @@ describe("the display name", () => {
     renderPage(fakeGateway(), { robots }, "/ui/goals");
     const select = await screen.findByRole("combobox", { name: "Robot" }, { timeout: 5000 });
     const options = within(select).getAllByRole("option");
-    expect(options.map(({ textContent }) => textContent)).toEqual(["All robots", label, "/robot2"]);
+    expect(options.map(({ textContent }) => textContent)).toEqual(["All robots", "/robot2", label]);
   });
 
   it("is in the title of a goal, above the action", async () => {

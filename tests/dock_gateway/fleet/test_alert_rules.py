@@ -102,7 +102,8 @@ def test_a_low_battery_until_it_is_well_above() -> None:
     assert looks.kinds(0, robot(percentage=0.2)) == []
     (alert,) = looks.alerts(1, robot(percentage=0.19))
     assert (alert.kind, alert.started_at) == (alert_kinds.LOW_BATTERY, NOON + timedelta(seconds=1))
-    assert "20%" in alert.detail
+    assert "fell below 20%" in alert.detail
+    assert "ends at 25%" in alert.detail
     (same,) = looks.alerts(2, robot(percentage=0.24))
     assert same == alert
     assert looks.kinds(3, robot(percentage=0.25)) == []

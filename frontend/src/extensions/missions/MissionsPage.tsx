@@ -2,7 +2,7 @@ import { Anchor, Button, Group, Skeleton, Stack, Table, Text, VisuallyHidden } f
 import { Link, useNavigate } from "react-router";
 import { useForbidden } from "../../api/session";
 import { useFleetLive, useFleetPart, useFleetTopic, useNaming, useWhyNot } from "../../fleet/context";
-import { byName, robotPath } from "../../fleet/names";
+import { robotPath } from "../../fleet/names";
 import { isThere } from "../../fleet/words";
 import { Empty } from "../../ui/Empty";
 import { Trouble } from "../../ui/errors";
@@ -111,7 +111,7 @@ function NoMissions() {
 function Queues({ missions }: { missions: readonly Mission[] }) {
   const naming = useNaming();
   const robots = useFleetTopic("robots");
-  const queues = queuesOf(missions);
+  const queues = queuesOf(missions).sort((a, b) => naming.compare(a.robot, b.robot));
   const busy = new Set(queues.map(({ robot }) => robot));
   const free = [...robots.values()].flatMap((each) =>
     isThere(each) && !busy.has(each.name) ? [each.name] : [],
@@ -134,8 +134,8 @@ function Queues({ missions }: { missions: readonly Mission[] }) {
         free.length > 0 && (
           <Text size="sm" c="dimmed">
             Not on a mission:{" "}
-            {free
-              .sort(byName)
+            {naming
+              .inOrder(free)
               .map((name) => naming.nameOf(name))
               .join(", ")}
           </Text>

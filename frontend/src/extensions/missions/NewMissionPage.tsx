@@ -3,7 +3,7 @@ import { Anchor, Skeleton, Stack } from "@mantine/core";
 import { useState } from "react";
 import { Link, useSearchParams } from "react-router";
 import { useFleet, useFleetLive, useFleetPart } from "../../fleet/context";
-import { byName, defaultRobot } from "../../fleet/names";
+import { defaultRobot, inOrder } from "../../fleet/names";
 import { isThere } from "../../fleet/words";
 import { Trouble } from "../../ui/errors";
 import { PageTitle } from "../../ui/Section";
@@ -51,6 +51,6 @@ export default function NewMissionPage() {
 /** The configured robot if it is there, else another one that is. */
 function firstRobot(robots: ReadonlyMap<string, Robot>): string {
   const configured = defaultRobot(robots);
-  const there = [...robots.values()].flatMap((each) => (isThere(each) ? [each.name] : [])).sort(byName);
-  return there.includes(configured) ? configured : (there[0] ?? configured);
+  const there = [...robots.values()].filter(isThere).sort(inOrder);
+  return (there.find(({ name }) => name === configured) ?? there[0])?.name ?? configured;
 }

@@ -1,6 +1,5 @@
 import { NativeSelect } from "@mantine/core";
 import { useFleetTopic, useNaming } from "../../fleet/context";
-import { byName } from "../../fleet/names";
 import { isThere } from "../../fleet/words";
 
 /** Who takes a mission. */
@@ -19,7 +18,7 @@ export function TakerField({ robot, group, onTaker }: Taker & { onTaker: (taker:
   const naming = useNaming();
   const robots = useFleetTopic("robots");
   const there = [...robots.values()].flatMap((each) => (isThere(each) ? [each.name] : []));
-  const names = [...new Set([...there, robot])].sort(byName);
+  const names = naming.inOrder([...there, robot]);
   const groups = [...new Set([...naming.groups(), ...(group === null ? [] : [group])])];
   if (names.length === 1 && groups.length === 0) return null;
   const choices = names.map((name) => ({ value: ROBOT + name, label: naming.fullNameOf(name) }));
@@ -54,5 +53,5 @@ export function TakerField({ robot, group, onTaker }: Taker & { onTaker: (taker:
 export function useExampleRobot({ robot, group }: Taker): string {
   const naming = useNaming();
   if (group === null) return robot;
-  return naming.robotsIn(group).sort(byName)[0] ?? robot;
+  return naming.inOrder(naming.robotsIn(group))[0] ?? robot;
 }

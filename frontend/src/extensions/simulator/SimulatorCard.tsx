@@ -3,6 +3,7 @@ import { Group, NumberInput, SimpleGrid, Stack, Switch, Text } from "@mantine/co
 import { useState } from "react";
 import { useForbidden } from "../../api/session";
 import { type NumberInputValue, toNumber } from "../../battery/form";
+import { useDocked } from "../../fleet/robot";
 import { useLive, useServices, useTopic } from "../../store/context";
 import { toRadians } from "../../store/geometry";
 import { CommandErrorAlert } from "../../ui/errors";
@@ -27,6 +28,7 @@ export default function SimulatorCard() {
 
 function Controls({ simulator }: { simulator: Simulator }) {
   const { scene } = useServices();
+  const docked = useDocked();
   const api = useSimulatorApi();
   const live = useLive();
   const forbidden = useForbidden("POST /simulator/reset");
@@ -37,7 +39,7 @@ function Controls({ simulator }: { simulator: Simulator }) {
   return (
     <Section
       title="Simulator"
-      aside={<Text>{simulator.docked ? "docked" : simulator.contact ? "in contact" : "not docked"}</Text>}
+      aside={<Text>{docked ? "docked" : simulator.contact ? "in contact" : "not docked"}</Text>}
     >
       <Group gap="sm">
         <ReasonButton

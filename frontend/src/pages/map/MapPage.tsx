@@ -6,7 +6,7 @@ import { openAlerts, urgentFirst } from "../../alerts/order";
 import { useAtTime } from "../../clock/clock";
 import { FreshnessBadge } from "../../fleet/badges";
 import { useFleetLive, useFleetTopic, useNaming } from "../../fleet/context";
-import { byName, robotPath } from "../../fleet/names";
+import { inOrder, robotPath } from "../../fleet/names";
 import { isThere, isUnreachable, LINK_WORDS, linkOf } from "../../fleet/words";
 import { freshnessOf, SCENE_STALE_MS } from "../../store/context";
 import { openStream, streamUrl } from "../../stream/stream";
@@ -123,7 +123,7 @@ interface Missing {
   why: string;
 }
 
-/** Which robots are on the map, and why the others are not; by name. Odometry has a frame for each robot alone. */
+/** Which robots are on the map, and why the others are not, in the order of every page. Odometry has a frame for each robot alone. */
 export function placement(
   robots: Iterable<Robot>,
   frames: Frames,
@@ -131,7 +131,7 @@ export function placement(
 ): { placed: Placed[]; missing: Missing[] } {
   const placed: Placed[] = [];
   const missing: Missing[] = [];
-  for (const robot of [...robots].sort((a, b) => byName(a.name, b.name))) {
+  for (const robot of [...robots].sort(inOrder)) {
     const frame = frames.get(robot.name);
     if (frame === "world") placed.push({ robot, mark: markOf(robot, alerts) });
     else if (isThere(robot)) missing.push({ robot, why: reasonOf(robot, frame) });

@@ -48,14 +48,14 @@ interface HeaderCellProps {
   onSort: (change: Partial<View>) => void;
 }
 
-/** Sorts ascending, descending, and then no more. */
+/** Sorts ascending, descending, and then no more: by name. */
 function HeaderCell({ column: { sort, name, wide = false }, view, onSort }: HeaderCellProps) {
   const sorted = view.sort === sort;
   const direction = !sorted ? "none" : view.descending ? "descending" : "ascending";
   const press = () => {
     if (!sorted) onSort({ sort, descending: false });
     else if (!view.descending) onSort({ descending: true });
-    else onSort({ sort: "attention", descending: false });
+    else onSort({ sort: "name", descending: false });
   };
   return (
     <Table.Th

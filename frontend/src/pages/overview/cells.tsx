@@ -3,7 +3,7 @@ import { Anchor, Badge, VisuallyHidden } from "@mantine/core";
 import { memo } from "react";
 import { Link } from "react-router";
 import { type Charge, ChargeBar, chargeOf } from "../../battery/BatteryCard";
-import { CHARGING, FULL, formatQuantity, statusWords } from "../../battery/words";
+import { CHARGING, FULL, formatPercentage, formatQuantity, statusOf, statusWords } from "../../battery/words";
 import { useAtTime } from "../../clock/clock";
 import { useFleetLive } from "../../fleet/context";
 import { goalPath } from "../../fleet/names";
@@ -124,10 +124,10 @@ export function BatteryMeter({ battery, charging }: Pick<Robot, "battery" | "cha
   return (
     <div className={classes.battery}>
       <Level
-        text={filled === null ? formatQuantity(voltage, "V") : `${filled} %`}
+        text={percentage === null ? formatQuantity(voltage, "V") : formatPercentage(percentage)}
         filled={filled === null ? null : Math.min(100, Math.max(0, filled))}
         charge={chargeOf(known, low_below, charging)}
-        status={charging && status === 0 ? CHARGING : status}
+        status={statusOf(status, charging)}
       />
       <Age receivedAt={Date.parse(received_at)} staleAfterMs={stale_after_s * 1000} />
     </div>

@@ -1,7 +1,7 @@
 import type { Robot } from "@dock-gateway/client";
 import type { Attention } from "../../alerts/order";
 import { placeOf } from "../../api/places";
-import { byName, isFound, robotName } from "../../fleet/names";
+import { byName, inOrder, isFound } from "../../fleet/names";
 import { isUnreachable, linkOf } from "../../fleet/words";
 import { Address, oneOf, optional, text } from "../../ui/address";
 
@@ -19,8 +19,8 @@ export const SHOW_WORDS: Record<Show, string> = {
   unreachable: "Unreachable",
 };
 
-/** A column that the list can be sorted by. `attention`, those with alerts first, is how it begins. */
-const SORTS = ["attention", "name", "place", "battery", "goal", "last", "groups", "link"] as const;
+/** A column that the list can be sorted by; it begins with the names, so that a robot stays in its place. */
+const SORTS = ["name", "place", "battery", "goal", "last", "groups", "link"] as const;
 export type Sort = (typeof SORTS)[number];
 
 /** How the list is looked at; kept in the page's address. */
@@ -43,10 +43,10 @@ export const overviewView = new Address<View>({
   group: optional("group"),
   site: optional("site"),
   show: oneOf("show", SHOWS, "all"),
-  sort: oneOf("sort", SORTS, "attention"),
+  sort: oneOf("sort", SORTS, "name"),
   descending: {
     read: (parameters) => parameters.get("order") === "desc",
-    write: (on, parameters) => on && parameters.has("sort") && parameters.set("order", "desc"),
+    write: (on, parameters) => on && parameters.set("order", "desc"),
   },
   hidden: {
     read: (parameters) => (parameters.has("hide") ? readColumns(parameters.get("hide")?.split(",")) : null),
@@ -81,7 +81,7 @@ export function matches(robot: Robot, show: Show, attentions: Attentions): boole
   }
 }
 
-/** The robots of a view, in its order; where two are alike, by name. */
+/** The robots of a view, in its order; where two are alike, in the order of every page. */
 export function listed(robots: readonly Robot[], view: View, attentions: Attentions): Robot[] {
   const sign = view.descending ? -1 : 1;
   const compare = COMPARE[view.sort];
@@ -93,13 +93,12 @@ export function listed(robots: readonly Robot[], view: View, attentions: Attenti
         (view.site === null || siteOf(robot) === view.site) &&
         matches(robot, view.show, attentions),
     )
-    .sort((a, b) => sign * compare(a, b, attentions) || byName(a.name, b.name));
+    .sort((a, b) => sign * compare(a, b) || inOrder(a, b));
 }
 
 /** Compares two robots, for an ascending order. */
-const COMPARE: Record<Sort, (a: Robot, b: Robot, attentions: Attentions) => number> = {
-  attention: (a, b, attentions) => (attentions.get(b.name) ?? 0) - (attentions.get(a.name) ?? 0),
-  name: (a, b) => byName(siteOf(a), siteOf(b)) || byName(robotName(a), robotName(b)),
+const COMPARE: Record<Sort, (a: Robot, b: Robot) => number> = {
+  name: inOrder,
   place: (a, b) => placeRank(a) - placeRank(b),
   battery: (a, b) => chargeOf(a) - chargeOf(b),
   goal: (a, b) => goalRank(a) - goalRank(b),
@@ -145,6 +144,7 @@ const LINK_RANK = {
   gone: 1,
   duplicate: 2,
   silent: 3,
-  battery: 4,
-  connected: 5,
+  stale: 4,
+  battery: 5,
+  connected: 6,
 } as const;

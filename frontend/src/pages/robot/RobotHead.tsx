@@ -5,7 +5,7 @@ import { Link } from "react-router";
 import { Parts } from "../../extension/context";
 import { LinkState } from "../../fleet/badges";
 import { useFleetLive, useFleetPart, useNaming, useWhyNot } from "../../fleet/context";
-import { byName, defaultRobot } from "../../fleet/names";
+import { defaultRobot } from "../../fleet/names";
 import { isThere, linkOf, placeWords } from "../../fleet/words";
 import { Dialog } from "../../ui/Dialog";
 import { Guarded } from "../../ui/Guarded";
@@ -102,16 +102,13 @@ const RobotSelect = lazyPart(() => import("./RobotSelect"));
 
 /** Goes to another robot of the fleet. Nothing where there is no other one. */
 function RobotSwitcher({ robot }: { robot: string }) {
+  const naming = useNaming();
   const names = useFleetPart("robots", (robots) =>
     [...robots.values()].flatMap((each) => (isThere(each) ? [each.name] : [])).join("\n"),
   );
   const others = useMemo(
-    () =>
-      names
-        .split("\n")
-        .filter((name) => name !== "" && name !== robot)
-        .sort(byName),
-    [names, robot],
+    () => naming.inOrder(names.split("\n").filter((name) => name !== "" && name !== robot)),
+    [names, robot, naming],
   );
   if (others.length === 0) return null;
   return (

@@ -2,16 +2,7 @@ import { Alert, Anchor, List, Tabs, Text } from "@mantine/core";
 import { type ReactNode, useEffect, useMemo, useState } from "react";
 import { Link, useSearchParams } from "react-router";
 import { useFleet, useFleetLive, useFleetPart, useFleetTopic, useNaming } from "../../fleet/context";
-import {
-  byName,
-  DEVELOPER,
-  defaultRobot,
-  OPERATE,
-  readTab,
-  robotPath,
-  type Tab,
-  withTab,
-} from "../../fleet/names";
+import { DEVELOPER, defaultRobot, OPERATE, readTab, robotPath, type Tab, withTab } from "../../fleet/names";
 import { isThere } from "../../fleet/words";
 import { type Services, ServicesProvider } from "../../store/context";
 import { usePageTitle } from "../../ui/Section";
@@ -97,8 +88,8 @@ function UnknownRobot({ robot, wasKnown }: { robot: string; wasKnown: boolean })
   const naming = useNaming();
   const robots = useFleetTopic("robots");
   const names = useMemo(
-    () => [...robots.values()].flatMap((each) => (isThere(each) ? [each.name] : [])).sort(byName),
-    [robots],
+    () => naming.inOrder([...robots.values()].flatMap((each) => (isThere(each) ? [each.name] : []))),
+    [robots, naming],
   );
   return (
     <Alert color="orange" title={wasKnown ? `${robot} has left the ROS graph` : `No robot ${robot} is known`}>

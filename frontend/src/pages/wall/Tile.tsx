@@ -4,7 +4,7 @@ import { memo } from "react";
 import { SeverityMark } from "../../alerts/marks";
 import type { Attention } from "../../alerts/order";
 import { ChargeBar, chargeOf } from "../../battery/BatteryCard";
-import { formatQuantity } from "../../battery/words";
+import { formatPercentage, formatQuantity } from "../../battery/words";
 import { useAtTime } from "../../clock/clock";
 import { robotName } from "../../fleet/names";
 import { LINK_WORDS, linkOf, placeWords } from "../../fleet/words";
@@ -79,7 +79,7 @@ function Battery({ battery, charging, live }: Pick<Robot, "battery" | "charging"
   return (
     <div className={classes.battery}>
       <ChargeBar filled={filled} charge={charge} old={stale} />
-      <span>{filled === null ? formatQuantity(voltage, "V") : `${filled} %`}</span>
+      <span>{percentage === null ? formatQuantity(voltage, "V") : formatPercentage(percentage)}</span>
       {stale ? (
         <span className={classes.wrong}>stale</span>
       ) : charge === "low" ? (

@@ -1,4 +1,5 @@
 import { useId } from "react";
+import { useDocked } from "../../fleet/robot";
 import { SceneCanvas } from "../../scene/SceneCanvas";
 import { useSurroundings } from "../../scene/SceneCard";
 import { describeScene } from "../../scene/words";
@@ -20,7 +21,8 @@ async function leave(): Promise<void> {}
 function Picture() {
   const { scene } = useServices();
   const around = useSurroundings();
-  const words = useScene((scene) => (scene === null ? "" : describeScene(scene, null)));
+  const docked = useDocked();
+  const words = useScene((scene) => (scene === null ? "" : describeScene(scene, docked)));
   const wordsId = useId();
   if (words === "") return null;
   return (

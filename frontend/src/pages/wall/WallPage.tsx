@@ -37,7 +37,7 @@ export default function WallPage() {
   const alerts = useFleetTopic("alerts");
   const attentions = useMemo(() => attentionOf(alerts), [alerts]);
   const shown = useMemo(() => {
-    const view = { ...overviewView.initial, group, sort: "name" as const };
+    const view = { ...overviewView.initial, group };
     return listed([...robots.values()].filter(isThere), view, attentions);
   }, [robots, group, attentions]);
   const [only] = shown;

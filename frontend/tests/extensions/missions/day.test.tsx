@@ -8,6 +8,7 @@ import { barWords, plannedWords, stateWords } from "../../../src/extensions/miss
 import { plansOf } from "../../../src/extensions/missions/day/planned";
 import type { Mission, MissionStep } from "../../../src/extensions/missions/requests";
 import type { NamedSchedule } from "../../../src/extensions/missions/schedules/schedules";
+import { Naming } from "../../../src/fleet/names";
 import { setZone } from "../../../src/ui/zone";
 import { robot } from "../../events";
 import { fakeGateway, renderPage } from "../../page";
@@ -124,7 +125,7 @@ describe("the rows", () => {
   it("are one for each group whose missions no robot has begun", () => {
     const any = { ...QUEUED, mission_id: "g", robot: null, group: "pickers" };
     const plans = plansOf([{ ...EVERY, robot: null, group: "cleaners" }], NOW, dayAround(NOW).to);
-    const rows = rowsOf(["/robot1"], [any], plans, NOW);
+    const rows = rowsOf(["/robot1"], [any], plans, NOW, new Naming([]));
     expect(rows.map(({ robot, group, next }) => robot ?? `${group} ${next}`)).toEqual([
       "/robot1",
       "cleaners 0",
@@ -135,7 +136,13 @@ describe("the rows", () => {
 
   it("are one for each robot, with missions from their start to their end or to now, and what is planned", () => {
     const plans = plansOf([EVERY], NOW, dayAround(NOW).to);
-    const [one, two, ...others] = rowsOf(["/robot2", "/robot1"], [NIGHT, QUEUED, ran], plans, NOW);
+    const [one, two, ...others] = rowsOf(
+      ["/robot2", "/robot1"],
+      [NIGHT, QUEUED, ran],
+      plans,
+      NOW,
+      new Naming([]),
+    );
     expect([one?.robot, two?.robot, others.length]).toEqual(["/robot1", "/robot2", 0]);
     expect(one?.next).toBe(1);
     expect(two?.bars).toEqual([]);
@@ -150,7 +157,7 @@ describe("the rows", () => {
 
   it("have one bar for a schedule that is due very often", () => {
     const often = { ...EVERY, every: { minutes: 5 } };
-    const [row] = rowsOf([], [], plansOf([often], NOW, dayAround(NOW).to), NOW);
+    const [row] = rowsOf([], [], plansOf([often], NOW, dayAround(NOW).to), NOW, new Naming([]));
     expect(row?.bars).toMatchObject([{ kind: "planned", times: 240 }]);
     const [bar] = row?.bars ?? [];
     expect(bar?.kind === "planned" && plannedWords(bar)).toBe("Planned 240 times, 04:00 – 23:55");

@@ -4,7 +4,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { adviceFor, titleOf } from "../../../src/api/errors";
 import * as requests from "../../../src/extensions/simulator/requests";
 import { SCENE_STALE_MS } from "../../../src/store/context";
-import { at, sceneEvent, simulator } from "../../events";
+import { at, robot, sceneEvent, simulator } from "../../events";
 import { fakeGateway, isDisabled, renderPage } from "../../page";
 
 const words = () => screen.getByTestId("scene-words").textContent;
@@ -25,7 +25,7 @@ beforeEach(() => {
 afterEach(() => vi.restoreAllMocks());
 
 function simulatedPage(path = "/") {
-  const page = renderPage(fakeGateway(), {}, path);
+  const page = renderPage(fakeGateway(), { robots: [robot("/")] }, path);
   act(() => page.store.onEvent(sceneEvent()));
   return page;
 }
@@ -110,7 +110,9 @@ describe("the simulator", () => {
   it("is told by events, and gone when it goes", async () => {
     const { store } = developerPage();
     await screen.findByRole("region", { name: "Simulator" });
-    act(() => store.onEvent(simulatorEvent({ docked: true, contact: true })));
+    act(() =>
+      store.onEvent({ type: "robots", time: at(1), robots: [robot("/", { docked: true })], gone: [] }),
+    );
     expect(await screen.findByText("docked")).toBeDefined();
     await waitFor(() => expect(words()).toMatch(/ Docked\.$/));
     act(() => store.onEvent(simulatorEvent({ available: false })));

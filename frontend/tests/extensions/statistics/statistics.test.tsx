@@ -131,7 +131,7 @@ describe("the page", () => {
     renderPage(fakeGateway(), { robots }, "/ui/statistics");
     const select = await screen.findByRole("combobox", { name: "Robot" }, { timeout: 5000 });
     const options = within(select).getAllByRole("option");
-    expect(options.map(text)).toEqual(["All robots", "Left forklift (/robot1)", "/robot2"]);
+    expect(options.map(text)).toEqual(["All robots", "/robot2", "Left forklift (/robot1)"]);
   });
 
   it("has a row for each day, the newest first, and every number leads to its goals", async () => {

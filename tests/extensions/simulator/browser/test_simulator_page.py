@@ -150,7 +150,7 @@ def test_dock_and_undock(page: Page, gateway: RunningGateway) -> None:
     expect_status(page, "succeeded")
     expect(page.get_by_test_id("scene-words")).to_contain_text("Not docked")
     expect(page.get_by_test_id("battery-status")).not_to_have_text("Charging")
-    expect(page.get_by_role("row").filter(has_text="Off the dock")).to_be_visible()
+    expect(page.get_by_role("row").filter(has_text="Left the dock")).to_be_visible()
 
 
 def test_a_goal_is_replayed_on_the_map(page: Page, gateway: RunningGateway) -> None:

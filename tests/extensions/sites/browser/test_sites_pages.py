@@ -98,7 +98,7 @@ def test_a_robot_is_docked_at_its_site_and_the_hub_shows_how_that_ended(page: Pa
     robot = page.get_by_test_id("robot /berlin")
     expect(robot).to_contain_text(re.compile("Dock.* s"))
     berlin.publish(CHARGING)
-    expect(robot).to_contain_text("On the dock")
+    expect(robot).to_contain_text("Reached the dock")
     page.get_by_role("link", name="Goals").click()
     page.get_by_role("table").get_by_role("link").first.click()
     expect(page).to_have_url(re.compile("/sites/berlin/ui/goals/"))

@@ -3,7 +3,7 @@ import { useMediaQuery } from "@mantine/hooks";
 import { useNavigate } from "react-router";
 import { useForbidden } from "../../../api/session";
 import { useGatewayNow } from "../../../clock/clock";
-import { useFleetTopic, useWhyNot } from "../../../fleet/context";
+import { useFleetTopic, useNaming, useWhyNot } from "../../../fleet/context";
 import { isThere } from "../../../fleet/words";
 import { Empty } from "../../../ui/Empty";
 import { Trouble } from "../../../ui/errors";
@@ -31,11 +31,12 @@ export default function DayPage() {
   const day = dayAround(now);
   const narrow = useMediaQuery("(max-width: 40em)", false, { getInitialValueInEffect: false });
   const robots = useFleetTopic("robots");
+  const naming = useNaming();
   const { missions, error, refetch } = useMissionsSince(day.from);
   const schedules = useSchedules();
   const there = [...robots.values()].flatMap((each) => (isThere(each) ? [each.name] : []));
   const plans = plansOf(schedules.data ?? [], now, day.to);
-  const rows = missions === undefined ? undefined : rowsOf(there, missions, plans, now);
+  const rows = missions === undefined ? undefined : rowsOf(there, missions, plans, now, naming);
   const nothing = rows?.every(({ bars, next }) => bars.length === 0 && next === 0);
   return (
     <Stack gap="md">

@@ -1,4 +1,4 @@
-import { byName } from "../../../fleet/names";
+import { byName, type Naming } from "../../../fleet/names";
 import { hasEnded } from "../queue";
 import type { Mission, MissionStep } from "../requests";
 import type { NamedSchedule } from "../schedules/schedules";
@@ -60,13 +60,14 @@ export function rowsOf(
   missions: readonly Mission[],
   plans: readonly Plan[],
   now: number,
+  naming: Naming,
 ): Row[] {
   const queued = missions.filter((mission) => mission.started_at === null && !hasEnded(mission));
   const due = plans.map(({ schedule }) => schedule);
   const names = [...robots, ...[...missions, ...due].flatMap(({ robot }) => robot ?? [])];
   const groups = [...queued, ...due].flatMap(({ robot, group }) => (robot === null ? (group ?? []) : []));
   const takers = [
-    ...[...new Set(names)].sort(byName).map((robot) => ({ robot, group: null })),
+    ...naming.inOrder(names).map((robot) => ({ robot, group: null })),
     ...[...new Set(groups)].sort(byName).map((group) => ({ robot: null, group })),
   ];
   return takers.map((taker) => {
