@@ -61,6 +61,24 @@ describe("a message with its schema", () => {
     expect(screen.getByRole("list", { name: "Feedback" })).toBeDefined();
   });
 
+  it("folds the fields that say nothing into one line, and leaves one in its place that had a value", () => {
+    const message = (voltage: number | null) => ({ ...battery, voltage });
+    const shown = (voltage: number | null) => (
+      <MantineProvider env="test">
+        <MessageTree value={message(voltage)} label="Battery" />
+      </MantineProvider>
+    );
+    const { rerender } = render(shown(2.16));
+    const fold = () => screen.getByText(/^\d+ not measured or empty$/).closest("details");
+    expect(fold()?.open).toBe(false);
+    expect(fold()?.textContent).toContain("current not measured");
+    expect(fold()?.textContent).not.toMatch(/[^_]voltage/);
+    const count = fold()?.querySelector("summary")?.textContent;
+    rerender(shown(null));
+    expect(fold()?.querySelector("summary")?.textContent).toBe(count);
+    expect(fold()?.textContent).not.toMatch(/[^_]voltage/);
+  });
+
   it("unfolds what is asked for, and no more", () => {
     tree({ current_battery_state: battery }, SCHEMA);
     expect(screen.getByText("current_battery_state").closest("details")?.open).toBe(true);

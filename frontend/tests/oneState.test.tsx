@@ -195,6 +195,19 @@ describe("a robot whose battery is heard no more", () => {
   });
 });
 
+describe("what stands out among the commands", () => {
+  const variantOf = (name: string) => screen.getByRole("button", { name }).getAttribute("data-variant");
+
+  it.each([
+    { docked: true, stands: "Undock", other: "Dock" },
+    { docked: false, stands: "Dock", other: "Undock" },
+    { docked: null, stands: "Dock", other: "Undock" },
+  ])("is $stands where docked is $docked", ({ docked, stands, other }) => {
+    renderPage(fakeGateway(), { robots: [robot("/", { docked })] });
+    expect([variantOf(stands), variantOf(other)]).toEqual(["filled", "light"]);
+  });
+});
+
 describe("the last goal", () => {
   it("says what it came to, not where the robot is now", () => {
     const moved = robot("/", {

@@ -4,6 +4,7 @@ import { useDisclosure } from "@mantine/hooks";
 import { useId, useState } from "react";
 import { CHARGING, FULL } from "../battery/words";
 import { useNaming } from "../fleet/context";
+import { useDocked } from "../fleet/robot";
 import { whyNotCancel } from "../goal/words";
 import { RobotStopButton, useStoppableAlone } from "../stop/StopButton";
 import { useLive, useServices, useTopic, useTopicPart } from "../store/context";
@@ -31,6 +32,8 @@ export function DockingControls({ running }: { running: GoalCourse | null }) {
   const [target, setTarget] = useState(String(CHARGING));
   const targetId = useId();
   const docks = useDocks(servers.dock);
+  // What makes sense now stands out.
+  const docked = useDocked() === true;
 
   const dock = useCommand(async () =>
     store.addGoals([await gateway.dock(takesBattery ? Number(target) : null, docks.chosen)]),
@@ -58,6 +61,7 @@ export function DockingControls({ running }: { running: GoalCourse | null }) {
       <Group gap="xs" className={classes.verbs}>
         <ReasonButton
           size="lg"
+          variant={docked ? "light" : "filled"}
           reason={whyNot("dock")}
           aria-haspopup={asking.asks ? "dialog" : undefined}
           onClick={() => press("dock")}
@@ -66,7 +70,7 @@ export function DockingControls({ running }: { running: GoalCourse | null }) {
         </ReasonButton>
         <ReasonButton
           size="lg"
-          variant="light"
+          variant={docked ? "filled" : "light"}
           reason={whyNot("undock")}
           aria-haspopup={asking.asks ? "dialog" : undefined}
           onClick={() => press("undock")}

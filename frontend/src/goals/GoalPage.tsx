@@ -15,6 +15,7 @@ import { GoalHead } from "./GoalHead";
 import { GoalMessages } from "./GoalMessages";
 import { GoalTimeline } from "./GoalTimeline";
 import classes from "./goalPage.module.css";
+import { MotionPlots } from "./MotionPlots";
 import { NotesSection } from "./NotesSection";
 import { Replay } from "./Replay";
 import { useGoalWatch, useWatched, useWatchTopic, WatchedContext } from "./useGoalWatch";
@@ -70,9 +71,10 @@ function WatchedGoal() {
           <GoalTimeline goal={goal} />
           <NotesSection goalId={goal.goal_id} />
         </Stack>
-        <div className={classes.longest}>
+        <Stack gap="md" className={classes.longest}>
+          {isTerminal(goal.status) && goal.verb !== null && <MotionPlots goal={goal} />}
           <FeedbackSection goal={goal} />
-        </div>
+        </Stack>
         <GoalMessages goal={goal} />
       </div>
     </>

@@ -8,9 +8,9 @@ import { RecordedScene } from "../scene/recorded";
 import { SceneCanvas } from "../scene/SceneCanvas";
 import { describePose } from "../scene/words";
 import { Trouble } from "../ui/errors";
-import { useAnswer } from "../ui/requests";
 import { Section } from "../ui/Section";
 import { useWatched } from "./useGoalWatch";
+import { usePoses } from "./usePoses";
 
 /** How often the words follow the picture (ms). */
 const WORDS_MS = 400;
@@ -19,17 +19,8 @@ const NO_GHOST = () => {};
 
 /** Where the robot was at the moment that is marked, and its way until then. Nothing where no poses are stored. */
 export default function ReplayMap({ goal }: { goal: LiveGoal }) {
-  const { api } = useWatched();
   const [layer, setLayer] = useState<ReplayLayer | null>(null);
-  const {
-    data: poses = [],
-    error,
-    refetch,
-  } = useAnswer({
-    queryKey: ["poses", goal.goal_id, goal.finished_at],
-    queryFn: () => api.poses(goal.goal_id),
-    staleTime: Number.POSITIVE_INFINITY,
-  });
+  const { data: poses = [], error, refetch } = usePoses(goal);
   if (error !== null)
     return <Trouble what="The map could not be loaded" error={error} onRetry={() => void refetch()} />;
   if (poses.length === 0) return null;

@@ -69,12 +69,34 @@ function Parts({ value, node, open, label }: PartsProps) {
       </ul>
     );
   }
+  return <Fields value={value} node={node} open={open} {...(label !== undefined && { label })} />;
+}
+
+/** So many fields that say nothing are folded into a line. */
+const FOLDED_FROM = 3;
+
+/** What was measured, and folded below it what was not. A field that had a value stays in its place when it has none. */
+function Fields({ value, node, open, label }: PartsProps & { value: Record<string, unknown> }) {
+  const [told, setTold] = useState<ReadonlySet<string>>(new Set());
   const fields = Object.entries(value);
+  const fresh = fields.flatMap(([name, each]) => (isAbsent(each) || told.has(name) ? [] : [name]));
+  if (fresh.length > 0) setTold(new Set([...told, ...fresh]));
+  const silent = fields.filter(([name]) => !told.has(name) && !fresh.includes(name));
+  const folded = silent.length >= FOLDED_FROM && silent.length < fields.length ? silent : [];
+  const part = ([name, each]: [string, unknown]) => (
+    <Part key={name} name={name} value={each} node={fieldNode(node, name)} open={open} />
+  );
   return (
     <ul className={classes.parts} aria-label={label}>
-      {fields.map(([name, each]) => (
-        <Part key={name} name={name} value={each} node={fieldNode(node, name)} open={open} />
-      ))}
+      {fields.filter((field) => !folded.includes(field)).map(part)}
+      {folded.length > 0 && (
+        <li>
+          <details className={classes.message}>
+            <summary className={classes.absent}>{folded.length} not measured or empty</summary>
+            <ul className={classes.parts}>{folded.map(part)}</ul>
+          </details>
+        </li>
+      )}
       {fields.length === 0 && <li className={classes.absent}>has no fields</li>}
     </ul>
   );

@@ -73,6 +73,7 @@ function Bulk({ names }: { names: readonly string[] }) {
   const live = useFleetLive();
   const robots = useFleetTopic("robots");
   const chosen = names.flatMap((name) => robots.get(name) ?? []);
+  const primary = chosen.every(({ docked }) => docked) ? "undock" : "dock";
   return (
     <fieldset className={classes.bulk}>
       <legend className={classes.legend}>Commands for the selected robots</legend>
@@ -80,7 +81,7 @@ function Bulk({ names }: { names: readonly string[] }) {
         <ReasonButton
           key={operation}
           size="compact-md"
-          variant={operation === "dock" ? "filled" : operation === "stop" ? "outline" : "default"}
+          variant={operation === primary ? "filled" : operation === "stop" ? "outline" : "default"}
           {...(operation === "stop" ? { color: "red" } : {})}
           reason={whyNone(chosen, (robot) => whyNot(operation, robot, live))}
           onClick={() => operate(operation, names)}
