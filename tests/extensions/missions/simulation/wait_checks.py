@@ -26,6 +26,7 @@ class WaitChecks:
         self._world = world
         self._goes_on_after = max(GOES_ON_AFTER, LOOKS * world.troubles.look_every)
         self._changed: dict[str, tuple[int, float]] = {}  # the revision of each mission, and since when
+        self._stuck: dict[str, int] = {}  # the revisions of missions that had no reason to wait at the last look
         self._idle_since: dict[str, float] = {}  # robots
         self._docks_free_since = 0.0
 
@@ -75,9 +76,18 @@ class WaitChecks:
             return
         if WaitsFor.DOCK in said and self._now - self._docks_free_since < self._goes_on_after:
             return
-        if not self._may_wait(mission, idle=idle):
-            self._fault(f"{mission_id} does not go on: {said}, {mission.status.value}, step {mission.current!r:.400}")
-            self._changed[mission_id] = (mission.revision, self._now)
+        if self._may_wait(mission, idle=idle):
+            self._stuck.pop(mission_id, None)
+        else:
+            self._note_stuck(mission_id, mission, said)
+
+    def _note_stuck(self, mission_id: str, mission: MissionEntry, said: object) -> None:
+        """Note that a mission has no reason to wait. It may just have come: one look later, that is wrong."""
+        if self._stuck.get(mission_id) != mission.revision:
+            self._stuck[mission_id] = mission.revision
+            return
+        self._fault(f"{mission_id} does not go on: {said}, {mission.status.value}, step {mission.current!r:.400}")
+        self._changed[mission_id] = (mission.revision, self._now)
 
     def _may_wait(self, mission: MissionEntry, *, idle: bool) -> bool:
         robot = self._world.robots[robot_of(mission)]
