@@ -1,5 +1,15 @@
 import { describe, expect, it } from "vitest";
-import { isolated, POINTS } from "../src/ui/plotData";
+import { isolated, POINTS, roomyRange } from "../src/ui/plotData";
+
+describe("the range of an axis", () => {
+  it("shows at least what it is told to, so that noise looks like noise", () => {
+    const [low, high] = roomyRange(1.998, 2, [0, 0.1]);
+    expect([low < 0, high > 2, high < 2.5]).toEqual([true, true, true]);
+    const [least, most] = roomyRange(-0.002, 0.002, [-0.05, 0.05]);
+    expect([least < -0.05, most > 0.05]).toEqual([true, true]);
+    expect(roomyRange(1.998, 2)[0]).toBeGreaterThan(1.9);
+  });
+});
 
 describe("a line with gaps", () => {
   it("has a dot for each value that no line leads to, so that each value is drawn", () => {

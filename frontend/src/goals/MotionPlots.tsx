@@ -14,8 +14,13 @@ const PlotStack = lazyPart(() => import("../ui/PlotStack"));
 
 const HEIGHT = 150;
 const CENTIMETERS: Digits = { decimals: 2, magnitude: 0 };
-const DISTANCE = { label: "Distance to the dock", unit: "m", digits: CENTIMETERS };
-const VELOCITY = { label: "Velocity forward", unit: "m/s", digits: CENTIMETERS };
+const DISTANCE = { label: "Distance to the dock", unit: "m", digits: CENTIMETERS, least: [0, 0.1] } as const;
+const VELOCITY = {
+  label: "Velocity forward",
+  unit: "m/s",
+  digits: CENTIMETERS,
+  least: [-0.05, 0.05],
+} as const;
 
 /** How the robot of a docking or undocking goal moved, which tells first why it failed. Nothing where no poses are stored. */
 export function MotionPlots({ goal }: { goal: LiveGoal }) {

@@ -36,10 +36,22 @@ export interface PlotLine {
   digits: Digits;
   /** A value in words, where they are not its number and unit. */
   words?: (value: number) => string;
+  /** What the axis shows at least, so that noise does not look like motion. */
+  least?: readonly [number, number];
 }
 
-/** Room above and below the values, so that a steady one is no line on the edge. */
-export function roomyRange(min: number | null, max: number | null): [number, number] {
+/**
+ * Room above and below the values, so that a steady one is no line on the edge.
+ *
+ * @param least What is shown at least.
+ */
+export function roomyRange(
+  min: number | null,
+  max: number | null,
+  least?: readonly [number, number],
+): [number, number] {
+  if (least !== undefined)
+    return roomyRange(Math.min(min ?? least[0], least[0]), Math.max(max ?? least[1], least[1]));
   if (min === null || max === null) return [0, 1];
   const room = max > min ? (max - min) * 0.08 : Math.max(Math.abs(max) * 0.05, 0.5);
   return [min - room, max + room];

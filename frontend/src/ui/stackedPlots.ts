@@ -172,7 +172,7 @@ export class StackedPlots {
       },
       scales: {
         x: { time: false, range: () => this.#span() },
-        y: { range: (_plot, min, max) => roomyRange(min, max) },
+        y: { range: (_plot, min, max) => roomyRange(min, max, lines[index]?.least) },
       },
       axes: [
         {

@@ -20,7 +20,11 @@ export function NowCell({ robot, live }: { robot: Robot; live: boolean }) {
   const { latched, by } = robot.stop;
   return (
     <>
-      {latched && <Badge color="red">Stopped{by !== null && ` by ${by}`}</Badge>}
+      {latched && (
+        <Badge color="red" className={classes.stopped ?? ""}>
+          Stopped{by !== null && ` by ${by}`}
+        </Badge>
+      )}
       {goal !== undefined && (
         <Running
           path={goalPath(goal.goal_id, goal.action_name)}
