@@ -46,11 +46,12 @@ class WaitChecks:
             self._check_wait(mission_id, mission, idle=self._is_idle(robot_of(mission)))
 
     def look_at_robots(self, active: Mapping[str, int]) -> None:
-        """Note since when robots are on no mission, and nobody stands at a dock."""
+        """Note since when robots are on no mission, and nobody stands at a dock or drives to one."""
         for robot in self._world.names:
             if active.get(robot):
                 self._idle_since[robot] = self._now
-        if self._world.docks.robots:
+        drives = any(goal.runs for each in self._world.robots.values() for goal in each.servers["dock"].goals.values())
+        if self._world.docks.robots or drives:
             self._docks_free_since = self._now
 
     def _is_idle(self, robot: str) -> bool:
