@@ -143,7 +143,7 @@ describe("the robots that are selected", () => {
     expect(screen.getByText("3 selected")).toBeDefined();
     await user.click(button("Dock"));
     const dialog = await screen.findByRole("dialog", { name: "Dock 2 robots?" });
-    expect(within(dialog).getByText("Left forklift (/robot1), /robot2")).toBeDefined();
+    expect(within(dialog).getByText("/robot2, Left forklift (/robot1)")).toBeDefined();
     expect(within(dialog).getByRole("listitem").textContent).toBe(
       "The robot is stopped. Release the stop first. /robot3",
     );
@@ -164,7 +164,7 @@ describe("the robots that are selected", () => {
     await user.click(box("Select /robot2"));
     await user.click(within(screen.getByRole("group", { name: /selected robots/ })).getByText("Stop"));
     expect(screen.queryByRole("dialog")).toBeNull();
-    expect(gateway.stop).toHaveBeenCalledExactlyOnceWith(expect.any(String), ["/robot1", "/robot2"]);
+    expect(gateway.stop).toHaveBeenCalledExactlyOnceWith(expect.any(String), ["/robot2", "/robot1"]);
     expect(await screen.findByText("Stop did not reach every robot")).toBeDefined();
     expect(screen.getByText(/^\/robot2: no publisher/)).toBeDefined();
   });
