@@ -51,9 +51,16 @@ class Watcher:
         self.commanded_at = self.stamp = self.lived = 0.0
         self._past: deque[tuple[float, float, float]] = deque(maxlen=1000)
         self._commands: deque[tuple[float, bool]] = deque(maxlen=1000)
-        node = observer.node
-        observer.call(lambda: node.create_subscription(Odometry, f"{robot}/ground_truth", self._see, EVERYTHING))
-        observer.call(lambda: node.create_subscription(Twist, f"{robot}/cmd_vel", self._hear, EVERYTHING))
+        self._observer, node = observer, observer.node
+        self._hearing = [
+            observer.call(lambda: node.create_subscription(Odometry, f"{robot}/ground_truth", self._see, EVERYTHING)),
+            observer.call(lambda: node.create_subscription(Twist, f"{robot}/cmd_vel", self._hear, EVERYTHING)),
+        ]
+
+    def close(self) -> None:
+        """Follow it no more: with hundreds of topics of the dead, what is heard would come seconds late."""
+        for each in self._hearing:
+            self._observer.call(lambda each=each: self._observer.node.destroy_subscription(each))
 
     def _see(self, message: Odometry) -> None:
         pose, stamp = pose_from(message.pose.pose), seconds_of(message.header.stamp)
@@ -63,13 +70,14 @@ class Watcher:
         self.pose, self.stamp, self.speed = pose, stamp, abs(message.twist.twist.linear.x)
         self._past.append((self.stamp, self.way, self.speed))
 
-    def settle(self) -> None:
-        """Wait until `SETTLED` seconds have passed for the simulated robot.
+    def settle(self, since: float) -> None:
+        """Wait until `SETTLED` seconds have passed for the simulated robot since a moment of the system's clock.
 
-        Fast DDS may hold up the peers of a process that is killed for a second or two, and the simulation with them.
+        This process may lag behind, and so may the simulation's clock. Fast DDS may hold up the peers of a process that
+        is killed for a second or two, and the simulation with them.
         """
         end = self.lived + SETTLED
-        wait_until(lambda: self.lived >= end, "the pose after a death")
+        wait_until(lambda: self.lived >= end and self.stamp >= since + SETTLED, "the pose after a death")
 
     def at(self, moment: float) -> tuple[float, float]:
         """The way, in m, and the speed, in m/s, at a moment of the system's clock: this process may lag behind."""
@@ -96,6 +104,7 @@ class Robot:
     def __init__(self, observer: Observer, name: str, start: Pose, stack: ExitStack) -> None:
         self.name = name
         self.watcher = Watcher(observer, name)
+        stack.callback(self.watcher.close)
         places = (f"start_x:={start.x}", f"start_y:={start.y}", f"start_theta:={start.theta}")
         parameters = {
             "dock_simulator": ("cmd_vel_timeout:=0.0", "room:=false", *places),
@@ -132,7 +141,7 @@ def bury(process: Process) -> None:
 
 def judge(watcher: Watcher, since: float, moment: str) -> tuple[float, list[str]]:
     """How far the robot went on since a moment of the system's clock, in m, and what was wrong."""
-    watcher.settle()
+    watcher.settle(since)
     way, speed = watcher.at(since)
     went, limit = watcher.way - way, ALLOWED + speed * speed / (2.0 * DECELERATION)
     wrong = [f"{moment} at {speed:.2f} m/s: {went:.3f} m, more than {limit:.3f} m"] if went > limit else []

@@ -43,6 +43,8 @@ def refused_without_token(
         return
     if case.method == "OPTIONS" and response.status_code == 204:
         return  # which methods there are is no secret: the document says it
+    if response.status_code == 404 and response.json()["code"] == "not_found":
+        return  # a path that leads to no operation, such as one with a line break in a name
     if case.operation.path.startswith("/session/oidc"):  # without an identity provider
         allowed: tuple[int, ...] = (401, 404, 405, 422)
     elif case.operation.path == "/session":

@@ -14,7 +14,7 @@ import { TableHead, useColumns } from "./TableHead";
 import { useRowWindow } from "./useRowWindow";
 import { useSelection } from "./useSelection";
 
-/** All robots, a row each, those with alerts first; what is shown and in which order is in the page's address. */
+/** All robots, a row each; what is shown and in which order is in the page's address. */
 export default function RobotTable({ robots }: { robots: readonly Robot[] }) {
   const alerts = useFleetTopic("alerts");
   const live = useFleetLive();
