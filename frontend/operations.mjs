@@ -37,7 +37,7 @@ const roles = requests.flatMap(({ name, operation }) => {
   return forAll ? [] : `  "${name}": ["${role}", ${everyRobot}],\n`;
 });
 const LIMITED =
-  /^(PUT \/(automation|webhooks)\/.*|PUT \/label|PUT \/goals\/{goal_id}\/tags|PUT \/session\/password|POST \/(session|tokens|missions|goals\/{goal_id}\/notes))$/;
+  /^(PUT \/(automation|shared-docks|webhooks)\/.*|PUT \/label|PUT \/goals\/{goal_id}\/tags|PUT \/session\/password|POST \/(session|tokens|missions|goals\/{goal_id}\/notes))$/;
 const limits = requests.flatMap(({ name, operation }) => {
   const schema = operation.requestBody?.content["application/json"]?.schema;
   const lines = schema !== undefined && LIMITED.test(name) ? limitsIn(schema) : [];

@@ -1,6 +1,6 @@
 import type { Alert } from "@dock-gateway/client";
 import { isUnder, type Naming } from "../fleet/names";
-import { ONE_STOP_MS } from "../stop/held";
+import { areOneStop } from "../stop/held";
 
 /** What needs eyes first: not acknowledged before acknowledged, critical before warning, new before old. */
 export function urgentFirst(alerts: readonly Alert[]): Alert[] {
@@ -37,7 +37,7 @@ function isOneStop(one: Alert, other: Alert): boolean {
     one.kind === "stop_latched" &&
     other.kind === one.kind &&
     one.acknowledged?.by === other.acknowledged?.by &&
-    Math.abs(Date.parse(one.started_at) - Date.parse(other.started_at)) < ONE_STOP_MS &&
+    areOneStop(one.started_at, other.started_at) &&
     withoutRobot(one) === withoutRobot(other)
   );
 }

@@ -2,6 +2,11 @@ import type { Robot } from "@dock-gateway/client";
 import { serverName } from "../api/places";
 import { formatDuration } from "../ui/time";
 
+/** The namespaces of the robots that are there. */
+export function namesThere(robots: ReadonlyMap<string, Robot>): string[] {
+  return [...robots.values()].filter(isThere).map(({ name }) => name);
+}
+
 /** Whether anything of a robot was ever heard: the configured one is listed from the start. */
 export function isThere({ battery, battery_publisher, dock, undock, goals, last_goal }: Robot): boolean {
   return (

@@ -1,7 +1,7 @@
 import { Alert, Button, Group, NativeSelect, NumberInput, SimpleGrid, Stack, TextInput } from "@mantine/core";
 import { useState } from "react";
 import { useFleetTopic, useNaming } from "../fleet/context";
-import { isThere } from "../fleet/words";
+import { namesThere } from "../fleet/words";
 import type { PoseDraft, PoseErrors } from "./poseDraft";
 import { robotPose } from "./robotPose";
 
@@ -44,7 +44,7 @@ interface FromRobotProps {
 export function FromRobot({ verb = "Use", onPose }: FromRobotProps) {
   const naming = useNaming();
   const robots = useFleetTopic("robots");
-  const names = naming.inOrder([...robots.values()].flatMap((each) => (isThere(each) ? [each.name] : [])));
+  const names = naming.inOrder(namesThere(robots));
   const [chosen, choose] = useState<string | null>(null);
   const [state, setState] = useState<"idle" | "asking" | "unknown">("idle");
   const robot = chosen ?? names[0];

@@ -49,15 +49,17 @@ export function holdsAll(held: readonly HeldStop[], robots: ReadonlyMap<string, 
 }
 
 /** Stops that are so close together (ms) are one: those of many robots go in several requests. */
-export const ONE_STOP_MS = 2000;
+const ONE_STOP_MS = 2000;
+
+/** Whether two times are so close together that stops at them are one. */
+export function areOneStop(one: string | null, other: string | null): boolean {
+  return Math.abs(Date.parse(one ?? "") - Date.parse(other ?? "")) < ONE_STOP_MS;
+}
 
 /** Whether robots were stopped together, by the same person, and all of it is stored. */
 export function isOneStop(held: readonly HeldStop[]): boolean {
   const [first] = held;
   return held.every(
-    ({ by, since, persisted }) =>
-      persisted &&
-      by === first?.by &&
-      Math.abs(Date.parse(since ?? "") - Date.parse(first?.since ?? "")) < ONE_STOP_MS,
+    ({ by, since, persisted }) => persisted && by === first?.by && areOneStop(since, first?.since ?? null),
   );
 }

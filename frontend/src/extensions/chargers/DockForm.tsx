@@ -23,7 +23,7 @@ export function DockForm({ dock, docks, onDone }: DockFormProps) {
   const { save } = useDockCommands();
   const [name, setName] = useState(dock?.dock_id ?? "");
   const [chosen, setChosen] = useState<RobotChoice>(dock?.robots ?? ALL_ROBOTS);
-  const [pose, setPose] = useState(() => dock?.pose && poseDraft(dock.pose));
+  const [pose, setPose] = useState(() => (dock?.pose ? poseDraft(dock.pose) : null));
   const [places, setPlaces] = useState(dock?.waiting_places ?? []);
   const [by, setBy] = useState(ownName);
   const [tried, setTried] = useState(false);
@@ -33,11 +33,11 @@ export function DockForm({ dock, docks, onDone }: DockFormProps) {
     event.preventDefault();
     setTried(true);
     if (errors.name !== undefined || errors.robots !== undefined) return;
-    if (pose != null && Object.keys(poseErrors(pose)).length > 0) return;
+    if (pose !== null && Object.keys(poseErrors(pose)).length > 0) return;
     setOwnName(by.trim());
     const body = {
       robots: choiceBody(chosen),
-      pose: pose == null ? null : poseOf(pose),
+      pose: pose === null ? null : poseOf(pose),
       waiting_places: places,
       by: by.trim() || null,
     };
@@ -65,22 +65,22 @@ export function DockForm({ dock, docks, onDone }: DockFormProps) {
         />
         <Fieldset legend="Where it is">
           <Stack gap="sm">
-            {pose != null && (
+            {pose !== null && (
               <PoseFields
                 draft={pose}
                 errors={tried ? poseErrors(pose) : {}}
                 onChange={(part) => setPose({ ...pose, ...part })}
               />
             )}
-            {pose == null && (
+            {pose === null && (
               <Text size="sm" c="dimmed">
                 Only shown. Drive or push a robot onto the dock, then take where it stands.
               </Text>
             )}
             <Group gap="sm" align="flex-end">
               <FromRobot onPose={setPose} />
-              <Button variant="default" onClick={() => setPose(pose == null ? poseDraft(null) : null)}>
-                {pose == null ? "Type it" : "Forget it"}
+              <Button variant="default" onClick={() => setPose(pose === null ? poseDraft(null) : null)}>
+                {pose === null ? "Type it" : "Forget it"}
               </Button>
             </Group>
           </Stack>

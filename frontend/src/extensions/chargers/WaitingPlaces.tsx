@@ -1,11 +1,11 @@
 import { Button, Fieldset, Group, Stack, Text } from "@mantine/core";
 import { useState } from "react";
+import { LIMITS } from "../../api/limits.gen";
 import { FromRobot, PoseFields } from "../../scene/PoseFields";
 import { type PoseDraft, poseDraft, poseErrors, poseOf, poseWords } from "../../scene/poseDraft";
 import type { DockPose } from "./requests";
 
-/** As the API limits it. */
-const MAX_PLACES = 20;
+const { maxItems: MAX_PLACES } = LIMITS["PUT /shared-docks/{dock_id}"].waiting_places;
 
 interface WaitingPlacesProps {
   places: readonly DockPose[];

@@ -10,8 +10,7 @@ import { CommandErrorAlert } from "../../ui/errors";
 import { useLatest } from "../../ui/useLatest";
 import type { StepDraft } from "./draft";
 import classes from "./missions.module.css";
-import type { Edit, FieldsProps } from "./StepFields";
-import { Refused } from "./StepFields";
+import { type Edit, type FieldsProps, Refused } from "./StepFields";
 import { errorAt, goalOf, withGoal } from "./wrong";
 
 /** Which action, of those on the graph, and its goal. */

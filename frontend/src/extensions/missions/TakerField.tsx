@@ -1,6 +1,6 @@
 import { NativeSelect } from "@mantine/core";
 import { useFleetTopic, useNaming } from "../../fleet/context";
-import { isThere } from "../../fleet/words";
+import { namesThere } from "../../fleet/words";
 
 /** Who takes a mission. */
 export interface Taker {
@@ -17,7 +17,7 @@ const GROUP = "group ";
 export function TakerField({ robot, group, onTaker }: Taker & { onTaker: (taker: Taker) => void }) {
   const naming = useNaming();
   const robots = useFleetTopic("robots");
-  const there = [...robots.values()].flatMap((each) => (isThere(each) ? [each.name] : []));
+  const there = namesThere(robots);
   const names = naming.inOrder([...there, robot]);
   const groups = [...new Set([...naming.groups(), ...(group === null ? [] : [group])])];
   if (names.length === 1 && groups.length === 0) return null;

@@ -1,8 +1,7 @@
 import { NumberInput, SegmentedControl, Text, TextInput } from "@mantine/core";
 import { MAX_WAIT_S, type WaitKind } from "./draft";
 import classes from "./missions.module.css";
-import type { FieldsProps } from "./StepFields";
-import { Refused } from "./StepFields";
+import { type FieldsProps, Refused } from "./StepFields";
 import { secondsWords } from "./words";
 import { errorAt } from "./wrong";
 

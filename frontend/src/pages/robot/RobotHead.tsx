@@ -6,7 +6,7 @@ import { Parts } from "../../extension/context";
 import { LinkState } from "../../fleet/badges";
 import { useFleetLive, useFleetPart, useNaming, useWhyNot } from "../../fleet/context";
 import { defaultRobot } from "../../fleet/names";
-import { isThere, linkOf, placeWords } from "../../fleet/words";
+import { linkOf, namesThere, placeWords } from "../../fleet/words";
 import { Dialog } from "../../ui/Dialog";
 import { Guarded } from "../../ui/Guarded";
 import { lazyPart } from "../../ui/lazyPart";
@@ -103,9 +103,7 @@ const RobotSelect = lazyPart(() => import("./RobotSelect"));
 /** Goes to another robot of the fleet. Nothing where there is no other one. */
 function RobotSwitcher({ robot }: { robot: string }) {
   const naming = useNaming();
-  const names = useFleetPart("robots", (robots) =>
-    [...robots.values()].flatMap((each) => (isThere(each) ? [each.name] : [])).join("\n"),
-  );
+  const names = useFleetPart("robots", (robots) => namesThere(robots).join("\n"));
   const others = useMemo(
     () => naming.inOrder(names.split("\n").filter((name) => name !== "" && name !== robot)),
     [names, robot, naming],

@@ -3,7 +3,7 @@ import { type ReactNode, useEffect, useMemo, useState } from "react";
 import { Link, useSearchParams } from "react-router";
 import { useFleet, useFleetLive, useFleetPart, useFleetTopic, useNaming } from "../../fleet/context";
 import { DEVELOPER, defaultRobot, OPERATE, readTab, robotPath, type Tab, withTab } from "../../fleet/names";
-import { isThere } from "../../fleet/words";
+import { namesThere } from "../../fleet/words";
 import { type Services, ServicesProvider } from "../../store/context";
 import { usePageTitle } from "../../ui/Section";
 import { RobotHead } from "./RobotHead";
@@ -87,10 +87,7 @@ export function RobotView({ robot, breadcrumb = false }: RobotViewProps) {
 function UnknownRobot({ robot, wasKnown }: { robot: string; wasKnown: boolean }) {
   const naming = useNaming();
   const robots = useFleetTopic("robots");
-  const names = useMemo(
-    () => naming.inOrder([...robots.values()].flatMap((each) => (isThere(each) ? [each.name] : []))),
-    [robots, naming],
-  );
+  const names = useMemo(() => naming.inOrder(namesThere(robots)), [robots, naming]);
   return (
     <Alert color="orange" title={wasKnown ? `${robot} has left the ROS graph` : `No robot ${robot} is known`}>
       <Text size="sm">

@@ -4,7 +4,7 @@ import { useNavigate } from "react-router";
 import { useForbidden } from "../../../api/session";
 import { useGatewayNow } from "../../../clock/clock";
 import { useFleetTopic, useNaming, useWhyNot } from "../../../fleet/context";
-import { isThere } from "../../../fleet/words";
+import { namesThere } from "../../../fleet/words";
 import { Empty } from "../../../ui/Empty";
 import { Trouble } from "../../../ui/errors";
 import { ReasonButton } from "../../../ui/ReasonButton";
@@ -34,7 +34,7 @@ export default function DayPage() {
   const naming = useNaming();
   const { missions, error, refetch } = useMissionsSince(day.from);
   const schedules = useSchedules();
-  const there = [...robots.values()].flatMap((each) => (isThere(each) ? [each.name] : []));
+  const there = namesThere(robots);
   const plans = plansOf(schedules.data ?? [], now, day.to);
   const rows = missions === undefined ? undefined : rowsOf(there, missions, plans, now, naming);
   const nothing = rows?.every(({ bars, next }) => bars.length === 0 && next === 0);
