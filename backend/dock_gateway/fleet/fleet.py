@@ -3,7 +3,7 @@
 import asyncio
 import logging
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from datetime import datetime
 from typing import Any
 
@@ -85,16 +85,20 @@ class Fleet:
 
     def states(self) -> list[RobotState]:
         """Return the current state of every robot, by name."""
-        return self._see()[0]
+        return self._see(self._robots.all())[0]
 
-    def _see(self) -> tuple[list[RobotState], list[Goal]]:
-        """Return the current state of every robot, by name, and the lost goals on actions that belong to no robot."""
+    def state(self, robot: str) -> RobotState | None:
+        """Return the current state of a robot; None if there is none."""
+        return self._see([self._robots.get(robot)])[0][0] if robot in self._robots else None
+
+    def _see(self, robots: Iterable[Robot]) -> tuple[list[RobotState], list[Goal]]:
+        """Return the current states of robots, and the lost goals on actions that belong to no robot."""
         running, lost = self._actions.running(), self._actions.lost()
         newest = _newest([*lost, *(goal for goal in running if goal.status is not GoalStatus.PENDING)])
         running_of, lost_of = self._by_robot(running), self._by_robot(lost)
         states = [
             self._state(robot, running_of.get(robot.namespace, []), lost_of.get(robot.namespace, []), newest)
-            for robot in self._robots.all()
+            for robot in robots
         ]
         return states, self._unresolved(lost_of.get(None, []), frozenset(), newest)
 
@@ -183,7 +187,7 @@ class Fleet:
 
     def update(self) -> None:
         """Update the alerts; publish the robots that have changed, if there are subscribers."""
-        states, strays = self._see()
+        states, strays = self._see(self._robots.all())
         sights = self._hints.sights()
         self._alerts.update(states, strays, self._duplicates(), split_robots(sights))
         if not self._fanout.watched("robots"):

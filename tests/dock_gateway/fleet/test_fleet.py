@@ -54,6 +54,9 @@ class Parts:
     def all(self) -> list[Any]:
         return [self.robots[name] for name in sorted(self.robots)]
 
+    def __contains__(self, name: str) -> bool:
+        return name in self.robots
+
     def owner(self, name: str) -> Any:
         return self.robots.get(name.rpartition("/")[0] or "/")
 
@@ -240,6 +243,8 @@ async def test_the_alarm_sees_all_robots_and_the_goals_of_none() -> None:
     duplicates = {"/robot1": ["/robot1/dock", "/robot1/undock"], "/arm": ["/arm/move"]}
     assert parts.looked == [(["/robot1", "/robot2"], ["stray"], duplicates)]
     assert [[goal.goal_id for goal in state.lost] for state in fleet.states()] == [["own"], []]
+    assert [fleet.state(state.name) for state in fleet.states()] == fleet.states()
+    assert fleet.state("/nowhere") is None
     await fleet.close()
 
 

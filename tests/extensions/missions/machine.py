@@ -9,10 +9,11 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, pr
 
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Verb
 from dock_gateway.extensions.missions import progress, recharge, waiting
-from dock_gateway.extensions.missions.mission import HoldReason, MissionEntry, MissionStatus, Reason, StepStatus
+from dock_gateway.extensions.missions.mission import HoldReason, MissionEntry, MissionStatus
 from dock_gateway.extensions.missions.moves import Cancel, Change, Facts, Send, Sent
 from dock_gateway.extensions.missions.progress import begins_message, next_move
 from dock_gateway.extensions.missions.step import FailurePolicy
+from dock_gateway.extensions.missions.step_entry import Reason, StepStatus
 from dock_gateway.extensions.missions.step_kinds import Waypoint
 from tests.extensions.missions.examples import CALL, DOCK, FIBONACCI, NOON, PUBLISH, UNDOCK, begun
 

@@ -10,9 +10,10 @@ from hypothesis import strategies as st
 
 from dock_gateway.core.errors import InvalidField
 from dock_gateway.extensions.missions import progress
-from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, Reason, StepStatus
+from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
 from dock_gateway.extensions.missions.moves import Change, Facts, Wait, WaitsFor
 from dock_gateway.extensions.missions.progress import next_move
+from dock_gateway.extensions.missions.step_entry import Reason, StepStatus
 from tests.extensions.missions.examples import DOCK, NOON, UNDOCK, after, begun, queued
 
 FAILURE = Reason(code="no", detail="as the test says")

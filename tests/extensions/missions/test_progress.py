@@ -6,9 +6,10 @@ import pytest
 
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.extensions.missions import progress
-from dock_gateway.extensions.missions.mission import HoldReason, MissionEntry, MissionStatus, Reason, StepStatus
+from dock_gateway.extensions.missions.mission import HoldReason, MissionEntry, MissionStatus
 from dock_gateway.extensions.missions.moves import Cancel, Change, Facts, Send, Sent, Wait, WaitsFor
 from dock_gateway.extensions.missions.progress import next_move
+from dock_gateway.extensions.missions.step_entry import Reason, StepStatus
 from tests.extensions.missions.examples import CALL, DOCK, FIBONACCI, NOON, PUBLISH, UNDOCK, after, begun, goal, queued
 
 

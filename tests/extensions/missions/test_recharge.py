@@ -7,18 +7,12 @@ import pytest
 from dock_gateway.core.errors import InvalidField
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.extensions.missions import progress, recharge
-from dock_gateway.extensions.missions.mission import (
-    HoldReason,
-    MissionEntry,
-    MissionStatus,
-    Recharge,
-    RechargeStage,
-    StepStatus,
-)
+from dock_gateway.extensions.missions.mission import HoldReason, MissionEntry, MissionStatus, Recharge, RechargeStage
 from dock_gateway.extensions.missions.moves import Cancel, Change, Facts, Send, Wait, WaitsFor
 from dock_gateway.extensions.missions.notices import alerts_of_holds
 from dock_gateway.extensions.missions.progress import next_move
 from dock_gateway.extensions.missions.schema import MissionBody
+from dock_gateway.extensions.missions.step_entry import StepStatus
 from dock_gateway.http.bodies import read_model
 from tests.extensions.missions.examples import DOCK, FIBONACCI, NOON, UNDOCK, after, begun, goal
 

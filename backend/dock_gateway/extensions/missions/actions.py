@@ -6,8 +6,9 @@ from typing import Any
 from dock_gateway.core.dock_adapters.catalog import ADAPTERS
 from dock_gateway.core.filters import prefix_of
 from dock_gateway.core.grant import Grant
-from dock_gateway.extensions.missions.mission import MissionEntry, StepEntry
+from dock_gateway.extensions.missions.mission import MissionEntry
 from dock_gateway.extensions.missions.step import SingleStep
+from dock_gateway.extensions.missions.step_entry import StepEntry
 from dock_gateway.goals.action import Action
 from dock_gateway.goals.robot_actions import RobotActions
 

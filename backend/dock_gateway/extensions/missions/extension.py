@@ -99,7 +99,7 @@ def _make_runner(
         places=places,
         interlock=interlock,
         last_stops=last_stops,
-        docked=lambda robot: next((each.docked for each in fleet.states() if each.name == robot), None),
+        docked=lambda robot: None if (state := fleet.state(robot)) is None else state.docked,
     )
     goals = StepGoals(
         book, actions=actions, robot_actions=parts[RobotActions], docks=parts[Docks], last_stops=last_stops

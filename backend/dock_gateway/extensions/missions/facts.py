@@ -6,9 +6,10 @@ from dock_gateway.core.battery import BatteryReading, PowerSupply
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.goal import Goal
 from dock_gateway.extensions.missions.last_stops import LastStops
-from dock_gateway.extensions.missions.mission import MissionEntry, StepStatus
+from dock_gateway.extensions.missions.mission import MissionEntry
 from dock_gateway.extensions.missions.moves import Facts
 from dock_gateway.extensions.missions.places.places import Places
+from dock_gateway.extensions.missions.step_entry import StepStatus
 from dock_gateway.fleet.robot_state import CHARGES
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry

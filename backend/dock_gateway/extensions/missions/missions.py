@@ -168,7 +168,7 @@ class Missions:
         """
         filled = await self._fill(content, grant)
         with at_arguments({} if filled is None else filled.places):
-            mission = content.entry(robot, filled, by).model_copy(update={"group": group})
+            mission = content.entry(robot, filled, by, group)
             await self._require(mission, grant)
         if grant.role is Role.AGENT:
             mission = mission.but(by_agent=True)
@@ -185,7 +185,7 @@ class Missions:
             Unavailable: The history does not answer (`history_unavailable`).
         """
         try:
-            mission = content.entry(robot, await self._fill(content, grant)).model_copy(update={"group": group})
+            mission = content.entry(robot, await self._fill(content, grant), group=group)
         except (InvalidField, NotFound):
             return False
         return covers(mission, grant, self._robot_actions, self._members)

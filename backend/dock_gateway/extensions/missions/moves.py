@@ -5,7 +5,8 @@ from datetime import datetime
 from enum import StrEnum
 
 from dock_gateway.core.goal import Goal
-from dock_gateway.extensions.missions.mission import MissionEntry, Reason
+from dock_gateway.extensions.missions.mission import MissionEntry
+from dock_gateway.extensions.missions.step_entry import Reason
 from dock_gateway.extensions.missions.step_kinds import Waypoint
 
 

@@ -5,13 +5,7 @@ from datetime import datetime
 from typing import NamedTuple
 
 from dock_gateway.core.event import utc_now
-from dock_gateway.extensions.missions.mission import (
-    HoldReason,
-    MissionEntry,
-    Notice,
-    Recharge,
-    RechargeStage,
-)
+from dock_gateway.extensions.missions.mission import HoldReason, MissionEntry, Notice, Recharge, RechargeStage
 from dock_gateway.fleet.alert import Alert
 from dock_gateway.fleet.alert_kinds import AlertKind
 

@@ -13,8 +13,9 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from dock_gateway.core.errors import FieldError, InvalidField, fields_of_a_message
-from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, Reason, StepEntry, StepStatus
+from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
 from dock_gateway.extensions.missions.step import Alternatives, FailurePolicy, GoTo, Repeat, StepFields
+from dock_gateway.extensions.missions.step_entry import Reason, StepEntry, StepStatus
 from dock_gateway.http.bodies import read_model
 from dock_gateway.http.schema import Schema
 

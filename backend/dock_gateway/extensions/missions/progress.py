@@ -8,18 +8,10 @@ from datetime import datetime, timedelta
 
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.extensions.missions import recharge, sender
-from dock_gateway.extensions.missions.mission import (
-    HoldReason,
-    MissionEntry,
-    MissionStatus,
-    Notice,
-    Reason,
-    RechargeStage,
-    StepEntry,
-    StepStatus,
-)
+from dock_gateway.extensions.missions.mission import HoldReason, MissionEntry, MissionStatus, Notice, RechargeStage
 from dock_gateway.extensions.missions.moves import Cancel, Change, Facts, Move, Send, Wait, WaitsFor
 from dock_gateway.extensions.missions.program import end, enter, fail_step, go_on, skip_step
+from dock_gateway.extensions.missions.step_entry import Reason, StepEntry, StepStatus
 from dock_gateway.extensions.missions.step_kinds import WaitStep
 
 # Between two tries of a step.
@@ -78,8 +70,7 @@ def _begin(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
         error=None,
         **sender.taken_on(facts, now),
     )
-    if mission.drive is None:
-        begun = begun.model_copy(update={"wait_at": None})
+    begun = begun.model_copy(update={"wait_at": mission.driving_to})
     if step.place is not None and facts.place is None:
         gone = Reason(code="place_not_found", detail=f"there is no place {step.place} any more")
         begun = fail(begun, gone, now)
@@ -262,8 +253,7 @@ def fail(mission: MissionEntry, error: Reason, now: datetime) -> MissionEntry:
 
 def accept(mission: MissionEntry, goal_id: str) -> MissionEntry:
     """Return the mission after the goal of its step was accepted: its robot is on its way."""
-    wait_at = None if mission.drive is None else mission.wait_at
-    return mission.with_step(goal_id=goal_id).model_copy(update={"wait_at": wait_at})
+    return mission.with_step(goal_id=goal_id).model_copy(update={"wait_at": mission.driving_to})
 
 
 def begins_message(before: MissionEntry, after: MissionEntry) -> bool:
@@ -314,9 +304,9 @@ def resume(mission: MissionEntry, now: datetime) -> MissionEntry:
         return mission
     if mission.started_at is None:
         return mission.but(status=MissionStatus.QUEUED, held_for=None, allowed_at=now)
-    # Where its robot is now, nobody has said.
-    wait_at = None if mission.drive is None else mission.wait_at
-    goes_on = mission.but(status=MissionStatus.RUNNING, held_for=None, allowed_at=now, wait_at=wait_at)
+    # The robot may be elsewhere by now, so that it no longer counts as waiting at its place.
+    going = {"status": MissionStatus.RUNNING, "held_for": None, "allowed_at": now, "wait_at": mission.driving_to}
+    goes_on = mission.but(**going)
     if mission.held_for is HoldReason.PERSON and goes_on.current.waits_for_person:
         return succeed(goes_on, now)
     if goes_on.current.status is StepStatus.WAITING:

@@ -6,17 +6,9 @@ The break has one step at a time, which is carried out as those of the mission a
 from datetime import datetime, timedelta
 
 from dock_gateway.extensions.missions.battery import LEAST_CHARGE
-from dock_gateway.extensions.missions.mission import (
-    HoldReason,
-    MissionEntry,
-    MissionStatus,
-    Reason,
-    Recharge,
-    RechargeStage,
-    StepEntry,
-    StepStatus,
-)
+from dock_gateway.extensions.missions.mission import HoldReason, MissionEntry, MissionStatus, Recharge, RechargeStage
 from dock_gateway.extensions.missions.moves import Change, Facts, Move, Wait, WaitsFor
+from dock_gateway.extensions.missions.step_entry import Reason, StepEntry, StepStatus
 from dock_gateway.extensions.missions.step_kinds import WaitStep
 
 # How often the robot is docked, or undocked, before a person has to see to it; and the time between two tries.

@@ -18,9 +18,10 @@ from dock_gateway.extensions.missions.book import MissionBook
 from dock_gateway.extensions.missions.facts import FactsReader, key_of_try
 from dock_gateway.extensions.missions.last_stops import LastStops
 from dock_gateway.extensions.missions.messages import Messages
-from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, Reason
+from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
 from dock_gateway.extensions.missions.moves import Cancel, Change, Facts, Send, Sent, Wait, WaitsFor
 from dock_gateway.extensions.missions.progress import begins_message, next_move
+from dock_gateway.extensions.missions.step_entry import Reason
 from dock_gateway.extensions.missions.step_goals import StepGoals
 from dock_gateway.extensions.missions.turns import NO_ROBOTS, RobotFacts, find_turns
 from dock_gateway.latch.interlock import Interlock

@@ -13,14 +13,12 @@ from dock_gateway.extensions.missions.mission import (
     MissionFields,
     MissionStatus,
     Priority,
-    Reason,
     RechargeStage,
-    StepPlace,
-    StepStatus,
 )
 from dock_gateway.extensions.missions.moves import WaitsFor
 from dock_gateway.extensions.missions.program import MAX_STEPS, compile_steps
 from dock_gateway.extensions.missions.step import StepFields
+from dock_gateway.extensions.missions.step_entry import Reason, StepPlace, StepStatus
 from dock_gateway.extensions.missions.step_kinds import Waypoint, require_one
 from dock_gateway.extensions.missions.templates.parameters import MAX_PARAMETERS
 from dock_gateway.extensions.missions.templates.templates import Filled
@@ -65,13 +63,16 @@ class MissionContent(Schema):
             raise expected("no arguments: they are for a template", path="arguments")
         return self
 
-    def entry(self, robot: str | None, filled: Filled | None = None, by: str | None = None) -> MissionEntry:
+    def entry(
+        self, robot: str | None, filled: Filled | None = None, by: str | None = None, group: str | None = None
+    ) -> MissionEntry:
         """Return the mission, queued now.
 
         Args:
             robot: Its robot; None if one of a group takes it.
             filled: What it is made of by its template, if it has one.
             by: Who queues it.
+            group: That group.
 
         Raises:
             InvalidField: As `compile_steps`.
@@ -80,6 +81,7 @@ class MissionContent(Schema):
         made = filled or Filled(self.steps or [], None, PRIORITY, {})
         return MissionEntry(
             robot=robot,
+            group=group,
             name=self.name or made.name,
             priority=made.priority if self.priority is None else self.priority,
             battery=self.battery or made.battery,

@@ -6,8 +6,9 @@ gateway takes the mission further: the goal may be on its way. Rules over plain 
 
 from datetime import datetime, timedelta
 
-from dock_gateway.extensions.missions.mission import MissionEntry, StepEntry
+from dock_gateway.extensions.missions.mission import MissionEntry
 from dock_gateway.extensions.missions.moves import Change, Facts, Wait, WaitsFor
+from dock_gateway.extensions.missions.step_entry import StepEntry
 
 # How long a gateway may send after it has stored that it does; longer than a submission takes, with all its waits.
 SENDS_FOR = timedelta(seconds=60)

@@ -12,8 +12,9 @@ from dock_gateway.extensions.missions.actions import action_of, read_goal
 from dock_gateway.extensions.missions.book import MissionBook
 from dock_gateway.extensions.missions.facts import key_of_try
 from dock_gateway.extensions.missions.last_stops import LastStops
-from dock_gateway.extensions.missions.mission import MissionEntry, Reason
+from dock_gateway.extensions.missions.mission import MissionEntry
 from dock_gateway.extensions.missions.moves import Facts, Wait, WaitsFor
+from dock_gateway.extensions.missions.step_entry import Reason
 from dock_gateway.extensions.missions.step_kinds import Waypoint
 from dock_gateway.goals.action import Action
 from dock_gateway.goals.docks import Docks

@@ -6,8 +6,9 @@ is asked for again. A drive that fails is not repeated: the robot waits where it
 
 from datetime import datetime
 
-from dock_gateway.extensions.missions.mission import MissionEntry, StepEntry
+from dock_gateway.extensions.missions.mission import MissionEntry
 from dock_gateway.extensions.missions.moves import Facts
+from dock_gateway.extensions.missions.step_entry import StepEntry
 from dock_gateway.extensions.missions.step_kinds import NavigateStep, Waypoint
 
 # Seconds that a drive may take: less than the dock is kept for a robot that does not ask.

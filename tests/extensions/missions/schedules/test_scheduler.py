@@ -42,7 +42,7 @@ class Missions:
         await asyncio.sleep(0.01)
         if self.refuses:
             raise self.refuses.pop(0)
-        return content.entry(robot, by=by).model_copy(update={"group": group})
+        return content.entry(robot, by=by, group=group)
 
     async def queue(self, mission_id: str, mission: MissionEntry) -> None:
         await self.book.add(mission_id, mission)

@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from dock_gateway.core.goal import GoalStatus
-from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, RechargeStage, StepEntry
+from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, RechargeStage
+from dock_gateway.extensions.missions.step_entry import StepEntry
 from tests.extensions.missions.simulation.stored import dock_records
 
 if TYPE_CHECKING:

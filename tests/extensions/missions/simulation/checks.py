@@ -10,7 +10,8 @@ from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
 from dock_gateway.core.goal import GoalStatus
-from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, StepStatus
+from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
+from dock_gateway.extensions.missions.step_entry import StepStatus
 from tests.extensions.missions.simulation.battery_checks import BatteryChecks
 from tests.extensions.missions.simulation.group_checks import GroupChecks
 from tests.extensions.missions.simulation.stored import key_of, named, robot_of, stored_missions, tag_of

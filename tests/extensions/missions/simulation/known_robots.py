@@ -124,6 +124,10 @@ class KnownFleet:
         """Return the state of each robot."""
         return [self._state(robot) for robot in self._robots.values()]
 
+    def state(self, name: str) -> Any:
+        """Return the state of a robot."""
+        return self._state(self._robots[name])
+
     def _state(self, robot: Robot) -> Any:
         name = robot.name
         if robot.there:

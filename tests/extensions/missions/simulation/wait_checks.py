@@ -4,8 +4,9 @@ from collections.abc import Mapping
 from datetime import timedelta
 from typing import TYPE_CHECKING
 
-from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, StepStatus
+from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
 from dock_gateway.extensions.missions.moves import WaitsFor
+from dock_gateway.extensions.missions.step_entry import StepStatus
 from tests.extensions.missions.simulation.stored import robot_of
 
 if TYPE_CHECKING:

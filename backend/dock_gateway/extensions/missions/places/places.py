@@ -5,8 +5,8 @@ from typing import Any
 
 from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.versions import UNCONDITIONAL, Condition
-from dock_gateway.extensions.missions.mission import StepEntry
 from dock_gateway.extensions.missions.places.place import PlaceEntry
+from dock_gateway.extensions.missions.step_entry import StepEntry
 from dock_gateway.extensions.missions.step_kinds import Waypoint
 from dock_gateway.storage.shared_entries import SharedBook
 
