@@ -269,18 +269,18 @@ describe("the page of a robot", () => {
 
   it("leads back to the overview, and to each of the others on the same tab", async () => {
     const { user } = renderPage(fakeGateway(), { robots }, "/ui/robot?robot=/robot2&tab=developer");
-    const switcher = await screen.findByRole("combobox", { name: "Switch robot" });
-    await user.click(switcher);
+    const switcher = () => screen.findByRole("combobox", { name: "Switch robot" });
+    await user.click(await switcher());
     const list = within(await screen.findByRole("listbox", { name: "Switch robot" }));
     expect(list.getAllByRole("option").map(({ textContent }) => textContent)).toEqual([
       "/robot1",
       "/robot10",
     ]);
-    await user.type(switcher, "10{Enter}");
+    await user.type(await switcher(), "10{Enter}");
     expect(await screen.findByRole("heading", { level: 1, name: "/robot10" })).toBeDefined();
     expect(tab("Developer").ariaSelected).toBe("true");
-    expect(document.activeElement).toBe(switcher);
-    expect(switcher).toHaveProperty("value", "");
+    expect(document.activeElement).toBe(await switcher());
+    expect(await switcher()).toHaveProperty("value", "");
     const breadcrumb = within(screen.getByRole("navigation", { name: "Breadcrumb" }));
     await user.click(breadcrumb.getByRole("link", { name: "Overview" }));
     expect(await screen.findByRole("heading", { level: 1, name: "Overview" })).toBeDefined();

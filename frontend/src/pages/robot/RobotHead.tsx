@@ -113,7 +113,7 @@ function RobotSwitcher({ robot }: { robot: string }) {
     <div className={classes.switcher}>
       <Guarded of={robot}>
         <Suspense fallback={<Skeleton height={36} />}>
-          <RobotSelect others={others} />
+          <RobotSelect key={robot} others={others} />
         </Suspense>
       </Guarded>
     </div>
