@@ -2431,7 +2431,7 @@ export interface components {
          * @description The kinds of alerts.
          * @enum {string}
          */
-        AlertKind: "stop_latched" | "goal_lost" | "discharging_on_dock" | "low_battery" | "battery_implausible" | "battery_stale" | "history_lost" | "extension_failed" | "duplicate_action_server" | "split_robot" | "site_unreachable" | "site_refused" | "wrong_topic_type" | "duplicate_base" | "robot_seen_twice" | "robots_claimed_twice" | "commands_lost" | "recordings_failed" | "automatic_docking_failed" | "dock_out_of_order" | "no_contact_at_dock" | "dock_contested" | "mission_notice" | "schedule_failed" | "mission_return_failed" | "mission_unapproved";
+        AlertKind: "stop_latched" | "goal_lost" | "discharging_on_dock" | "low_battery" | "battery_implausible" | "battery_stale" | "history_lost" | "extension_failed" | "duplicate_action_server" | "split_robot" | "site_unreachable" | "site_refused" | "wrong_topic_type" | "duplicate_base" | "robot_seen_twice" | "robots_claimed_twice" | "commands_lost" | "recordings_failed" | "automatic_docking_failed" | "dock_out_of_order" | "no_contact_at_dock" | "dock_contested" | "dock_file_unread" | "mission_notice" | "schedule_failed" | "mission_return_failed" | "mission_unapproved";
         /**
          * AlertList
          * @description The active alerts: critical ones first, then oldest first.
@@ -5985,10 +5985,16 @@ export interface components {
              */
             robots: components["schemas"]["RobotSelection"];
             /**
-             * @description Where it is, if that is known; it is only shown
+             * @description Where the docked robot stands, if that is known
              * @default null
              */
             pose: components["schemas"]["DockPose"] | null;
+            /**
+             * Type
+             * @description Its type at the docking servers: one of `dock_plugins`
+             * @default null
+             */
+            type: string | null;
             /**
              * Waiting Places
              * @description Where robots on missions wait for it, one at each
@@ -10094,7 +10100,7 @@ export interface operations {
                         /** @default [] */
                         groups?: string[];
                     };
-                    /** @description Where it is, if that is known; it is only shown */
+                    /** @description Where the docked robot stands, if that is known */
                     pose?: {
                         /** @default map */
                         frame?: string;
@@ -10108,6 +10114,8 @@ export interface operations {
                          */
                         theta?: number;
                     } | null;
+                    /** @description Its type at the docking servers: one of `dock_plugins` */
+                    type?: string | null;
                     /** @description Where robots on missions wait for it, one at each */
                     waiting_places?: {
                         /** @default map */

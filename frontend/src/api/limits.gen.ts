@@ -88,6 +88,7 @@ export const LIMITS = {
     "pose.x": { minimum: -100000000, maximum: 100000000 },
     "pose.y": { minimum: -100000000, maximum: 100000000 },
     "pose.theta": { minimum: -7, maximum: 7 },
+    "type": { maxLength: 60 },
     "waiting_places": { maxItems: 20 },
     "waiting_places[].frame": { maxLength: 60 },
     "waiting_places[].x": { minimum: -100000000, maximum: 100000000 },

@@ -50,6 +50,7 @@ class Site:
             last_goal=None,
         )
         self.there = True
+        self.at_work = True
         book = SharedBook(SharedStore[DockEntry](), "shared_dock", 10)
         for name in ("a", "b"):
             book.put(name, DockBody().entry())
@@ -58,7 +59,7 @@ class Site:
             book,
             SharedEntries(self.records),
             SharedEntries(SharedStore[WaitEntry]()),
-            robots=cast("Any", None),
+            robots=cast("Any", SimpleNamespace(is_at_work=lambda _: self.at_work)),
             actions=cast("Any", SimpleNamespace(get=lambda _: action)),
             docks=cast("Any", None),
             labels=cast("Any", None),

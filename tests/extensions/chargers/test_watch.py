@@ -6,11 +6,13 @@ import pytest
 
 from dock_gateway.core.goal import GoalError, GoalStatus
 from dock_gateway.extensions.chargers import policy
-from dock_gateway.extensions.chargers.dock import DockRecord, Hold
+from dock_gateway.extensions.chargers.dock import DockBody, DockPose, DockRecord, Hold
 from dock_gateway.extensions.chargers.watch import AWAY_FOR
 from tests.extensions.chargers.examples import NOON, Site, docking, now
 from tests.support.virtual import in_virtual_time
 
+ASK = policy.Ask("/robot1", ["a"])
+PLACED = DockBody(waiting_places=[DockPose(x=1.0, y=2.0)]).entry()
 STANDING = DockRecord(hold=Hold(robot="/robot1", standing=True, since_at=NOON))
 
 
@@ -165,3 +167,15 @@ async def test_it_looks_by_itself_and_at_once_when_a_goal_has_ended() -> None:
     await asyncio.sleep(10)
     assert len(looks) > before
     await site.watch.close()
+
+
+@in_virtual_time
+async def test_a_robot_whose_mission_has_ended_is_not_driving_to_where_it_waits() -> None:
+    site = Site()
+    site.docks.waits.put("/robot1", driving := policy.waits_for(ASK, {"a": PLACED}, {}, now()))
+    await site.look(40)
+    assert policy.is_waiting(driving, now())  # it is driving: it need not ask
+    assert site.docks.waits.get("/robot1") == driving
+    site.at_work = False
+    await site.look(1)
+    assert not policy.is_waiting(site.docks.waits.all()["/robot1"], now())

@@ -35,6 +35,13 @@ def list_shared_docks() -> None:
 @click.option("--robot", "names", metavar="NAME", multiple=True, help="A robot that it fits; all by default.")
 @click.option("--group", "groups", metavar="NAME", multiple=True, help="A group of robots that it fits.")
 @click.option(
+    "--pose",
+    type=(float, float, float),
+    metavar="X Y YAW",
+    help="Where the docked robot stands: metres and radians in the frame map.",
+)
+@click.option("--type", "kind", metavar="NAME", help="Its type at the docking servers.")
+@click.option(
     "--waiting-place",
     "places",
     type=(float, float, float),
@@ -44,18 +51,28 @@ def list_shared_docks() -> None:
 )
 @asks
 def enter(
-    dock_id: str, names: tuple[str, ...], groups: tuple[str, ...], places: tuple[tuple[float, float, float], ...]
+    dock_id: str,
+    names: tuple[str, ...],
+    groups: tuple[str, ...],
+    *,
+    pose: tuple[float, float, float] | None,
+    kind: str | None,
+    places: tuple[tuple[float, float, float], ...],
 ) -> None:
     """Share a dock, or change what the options say of it. DOCK_ID is what the docking servers call it."""
     body: dict[str, Any] = {}
     if names or groups:
         body["robots"] = {"names": names, "groups": groups}
+    if pose is not None:
+        body["pose"] = _pose(pose)
+    if kind is not None:
+        body["type"] = kind or None
     if places:
-        body["waiting_places"] = [dict(zip(("x", "y", "theta"), place, strict=True)) for place in places]
+        body["waiting_places"] = [*map(_pose, places)]
     with gateway() as client:
         docks = client.request("GET", "/shared-docks")["shared_docks"]
     known: dict[str, Any] = next((each for each in docks if each["dock_id"] == dock_id), {})
-    kept = {name: known[name] for name in ("robots", "pose", "waiting_places") if name in known}
+    kept = {name: known[name] for name in ("robots", "pose", "type", "waiting_places") if name in known}
     _show("PUT", dock_id, "", kept | body)
 
 
@@ -86,6 +103,23 @@ def report(dock_id: str, occupied_by: str | None, note: str | None, in_order: bo
     if not body:
         raise click.UsageError("say --occupied-by, --out-of-order or --in-order")
     _show("POST", dock_id, "/report", body)
+
+
+@shared_dock.command()
+@asks
+def file() -> None:
+    """Print the docks that have a pose as a file for docking servers: their dock_database."""
+    from dock_gateway.extensions.chargers.dock_database import render  # noqa: PLC0415 - only this command needs it
+
+    with gateway() as client:
+        docks = client.request("GET", "/shared-docks")["shared_docks"]
+    if not (text := render({each["dock_id"]: each for each in docks})):
+        raise click.ClickException("no shared dock has a pose: `dock-gateway shared-dock enter lab --pose X Y YAW`")
+    click.echo(text, nl=False)
+
+
+def _pose(numbers: tuple[float, float, float]) -> dict[str, float]:
+    return dict(zip(("x", "y", "theta"), numbers, strict=True))
 
 
 def _path(dock_id: str) -> str:

@@ -16,6 +16,7 @@ MAX_WAITING_PLACES = 20
 DOCK_EXAMPLE: JsonValue = {
     "robots": {"all": False, "names": ["/robot1", "/robot2"], "groups": ["hall 1"]},
     "pose": {"frame": "map", "x": 1.0, "y": 2.5, "theta": 0.0},
+    "type": "wall_dock",
     "by": "Ada",
 }
 
@@ -35,7 +36,8 @@ class DockFields(Schema):
     robots: Annotated[RobotSelection, Field(description="The robots that it fits; all by default")] = RobotSelection(
         all=True
     )
-    pose: Annotated[DockPose | None, Field(description="Where it is, if that is known; it is only shown")] = None
+    pose: Annotated[DockPose | None, Field(description="Where the docked robot stands, if that is known")] = None
+    type: Annotated[Name60 | None, Field(description="Its type at the docking servers: one of `dock_plugins`")] = None
     waiting_places: Annotated[
         list[DockPose],
         Field(

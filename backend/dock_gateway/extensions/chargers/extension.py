@@ -9,8 +9,10 @@ from dock_gateway.core.tasks import closed_by
 from dock_gateway.extension import Extension
 from dock_gateway.extensions.chargers.board import KINDS, DockBoard
 from dock_gateway.extensions.chargers.dock import DockEntry, DockRecord, WaitEntry
+from dock_gateway.extensions.chargers.dock_file import UNREAD, DockFile
 from dock_gateway.extensions.chargers.error_codes import CODES
 from dock_gateway.extensions.chargers.metrics import dock_metrics
+from dock_gateway.extensions.chargers.reload_port import ReloadPort
 from dock_gateway.extensions.chargers.routes import router
 from dock_gateway.extensions.chargers.schema import EVENTS
 from dock_gateway.extensions.chargers.settings import ChargerSettings
@@ -25,6 +27,7 @@ from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.http.parts import Parts
 from dock_gateway.robots.labels import Labels
 from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.ros.bridge import Bridge
 from dock_gateway.settings import Settings
 from dock_gateway.storage import History
 from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
@@ -56,6 +59,10 @@ async def open_chargers(parts: Parts) -> AsyncIterator[DockBoard]:
         for listeners in (actions.on_end, actions.on_lost):
             stack.enter_context(listeners.adding(watch.wake))
         stack.enter_context(parts[AlertBoard].sources.adding(board.alerts))
+        if settings.chargers_file is not None:
+            file = closed_by(stack, DockFile(settings.chargers_file, docks, parts[Docks], ReloadPort(parts[Bridge])))
+            stack.enter_context(parts[AlertBoard].sources.adding(file.alerts))
+            file.start()
         watch.start()
         yield board
 
@@ -66,7 +73,7 @@ extension = Extension(
     settings=ChargerSettings,
     routes=lambda _: (router,),
     events=EVENTS,
-    alerts=KINDS,
+    alerts=(*KINDS, UNREAD),
     errors=CODES,
     metrics=dock_metrics,
     tools=TOOLS,

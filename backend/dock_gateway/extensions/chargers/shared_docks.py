@@ -199,6 +199,25 @@ class SharedDocks:
             return None  # it asks again
         return entry.wait_at
 
+    async def end_drive(self, robot: str) -> None:
+        """Note that a robot is not driving to where it waits: from now on it waits only if it asks.
+
+        Raises:
+            Unavailable: The history does not answer (`history_unavailable`); nothing has changed.
+        """
+        known = self.waits.get(robot)
+        if known is None or known.arrives_by is None:
+            return
+
+        def check(stored: Mapping[str, WaitEntry]) -> None:
+            if stored.get(robot) != known:
+                raise Conflict("it has asked meanwhile")
+
+        try:
+            await self.waits.store(robot, known.model_copy(update={"arrives_by": None}), check)
+        except Conflict:
+            await self.waits.read()
+
     async def _end_wait(self, robot: str) -> None:
         if self.waits.get(robot) is not None:
             await self.waits.store(robot, None, lambda _: None)

@@ -72,6 +72,7 @@ export function DockCard({ dock, onEdit }: { dock: SharedDock; onEdit: () => voi
           {dock.pose != null && (
             <Text size="sm" c="dimmed">
               At {poseWords(dock.pose)}
+              {dock.type != null && `, of the type ${dock.type}`}
             </Text>
           )}
           {dock.waiting_places.length > 0 && (

@@ -1,6 +1,7 @@
 import { Button, Fieldset, Group, Stack, Text, TextInput } from "@mantine/core";
 import { type FormEvent, useState } from "react";
 import { NameInput, ownName, setOwnName } from "../../access/who";
+import { LIMITS } from "../../api/limits.gen";
 import { RobotFields } from "../../fleet/RobotFields";
 import { ALL_ROBOTS, choiceBody, choiceError, type RobotChoice } from "../../fleet/robotChoice";
 import { FromRobot, PoseFields } from "../../scene/PoseFields";
@@ -24,6 +25,7 @@ export function DockForm({ dock, docks, onDone }: DockFormProps) {
   const [name, setName] = useState(dock?.dock_id ?? "");
   const [chosen, setChosen] = useState<RobotChoice>(dock?.robots ?? ALL_ROBOTS);
   const [pose, setPose] = useState(() => (dock?.pose ? poseDraft(dock.pose) : null));
+  const [type, setType] = useState(dock?.type ?? "");
   const [places, setPlaces] = useState(dock?.waiting_places ?? []);
   const [by, setBy] = useState(ownName);
   const [tried, setTried] = useState(false);
@@ -38,6 +40,7 @@ export function DockForm({ dock, docks, onDone }: DockFormProps) {
     const body = {
       robots: choiceBody(chosen),
       pose: pose === null ? null : poseOf(pose),
+      type: type.trim() || null,
       waiting_places: places,
       by: by.trim() || null,
     };
@@ -74,7 +77,7 @@ export function DockForm({ dock, docks, onDone }: DockFormProps) {
             )}
             {pose === null && (
               <Text size="sm" c="dimmed">
-                Only shown. Drive or push a robot onto the dock, then take where it stands.
+                Drive or push a robot onto the dock, then take where it stands.
               </Text>
             )}
             <Group gap="sm" align="flex-end">
@@ -85,6 +88,14 @@ export function DockForm({ dock, docks, onDone }: DockFormProps) {
             </Group>
           </Stack>
         </Fieldset>
+        <TextInput
+          label="Type"
+          description="At the docking servers: one of their dock_plugins. Empty if they have one at most."
+          placeholder="wall_dock"
+          maxLength={LIMITS["PUT /shared-docks/{dock_id}"].type.maxLength}
+          value={type}
+          onChange={(event) => setType(event.currentTarget.value)}
+        />
         <WaitingPlaces places={places} onChange={setPlaces} />
         <NameInput value={by} description="Shown with the dock." onChange={setBy} />
         <SaveBar save={save} onCancel={onDone} />

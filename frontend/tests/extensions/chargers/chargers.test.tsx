@@ -14,6 +14,7 @@ const LAB: SharedDock = {
   etag: '"1"',
   robots: { all: true, names: [], groups: [] },
   pose: null,
+  type: null,
   waiting_places: [],
   changed_by: "Ada",
   changed_at: "2026-11-30T09:00:00Z",
@@ -108,10 +109,12 @@ describe("the page", () => {
     await user.type(waiting.getByLabelText("Y"), "-1");
     await user.click(waiting.getByRole("button", { name: "Add it" }));
     expect(waiting.getByText("x 6 m, y -1 m")).toBeDefined();
+    await user.type(screen.getByLabelText("Type"), "wall_dock");
     await user.click(screen.getByRole("button", { name: "Save" }));
     await waitFor(() => expect(asked).toHaveLength(1));
     expect(asked[0]?.body).toMatchObject({
       pose: { frame: "map", x: 4, y: 1.5 },
+      type: "wall_dock",
       waiting_places: [{ frame: "map", x: 6, y: -1, theta: 0 }],
     });
   });

@@ -191,3 +191,32 @@ def test_of_two_gateways_on_one_database_one_gets_the_dock_for_its_robot(domain:
         out = {"out_of_order": True, "note": "The cable is loose"}
         second.http.post("/shared-docks/lab/report", json=out).raise_for_status()
         assert dock(first)["state"] == "out_of_order"
+
+
+def test_docking_servers_read_the_docks_that_people_enter(domain: int, tmp_path: Path) -> None:
+    path = tmp_path / "docks.yaml"
+    path.write_text("docks:\n  lab: {}\n")
+    arguments = ("-p", f"dock_database:={path}", "-p", "dock_plugins:=[wall_dock]")
+    with (
+        running_program(domain, "docking_server", *arguments),
+        running_gateway(domain, chargers_file=str(path)) as gateway,
+    ):
+        wait_until(lambda: gateway.http.get("/docks").status_code == 200, "the docking server")
+
+        def poses() -> dict[str, Any]:
+            found = gateway.http.get("/docks")
+            return {each["dock_id"]: each["pose"] for each in found.json()["docks"]} if found.is_success else {}
+
+        def alerts() -> list[str]:
+            found = gateway.http.get("/alerts").raise_for_status().json()["alerts"]
+            return [each["detail"] for each in found if each["kind"] == "dock_file_unread"]
+
+        at = {"x": 3.0, "y": 1.0, "theta": 1.5}
+        gateway.http.put("/shared-docks/attic", json={"pose": at, "type": "wall_dock"}).raise_for_status()
+        wait_until(lambda: poses() == {"attic": at}, "the docking server knows the new dock alone")
+        gateway.http.put("/shared-docks/lab", json={"pose": {"x": 0, "y": 0}, "type": "cellar_dock"}).raise_for_status()
+        wait_until(lambda: any("cellar_dock" in each for each in alerts()), "the server refuses a type that it has not")
+        assert poses() == {"attic": at}
+        gateway.http.put("/shared-docks/lab", json={"pose": {"x": 0, "y": 0}, "type": "wall_dock"}).raise_for_status()
+        wait_until(lambda: sorted(poses()) == ["attic", "lab"] and not alerts(), "both docks, and no alert")
+        assert gateway.http.post("/dock", json={"dock_id": "attic"}).status_code == 202

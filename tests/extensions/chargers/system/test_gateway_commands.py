@@ -27,6 +27,9 @@ def test_a_dock_by_commands(domain: int) -> None:
         changed = gateway.http.get("/shared-docks/lab").json()
         assert changed["waiting_places"] == [{"frame": "map", "x": 4.0, "y": 1.5, "theta": 1.57}]
         assert changed["robots"]["names"] == ["/robot1"]
+        assert "--pose" in say("file")[1]
+        assert say("enter", "lab", "--pose", "1", "2.5", "0", "--type", "wall_dock")[0] == 0
+        assert say("file") == (0, "docks:\n  lab:\n    type: wall_dock\n    frame: map\n    pose: [1.0, 2.5, 0.0]")
         assert say("report", "lab", "--out-of-order", "The cable is loose")[0] == 0
         assert "The cable is loose" in say("list")[1]
         assert say("report", "lab", "--in-order", "--occupied-by", "unknown")[0] == 0
