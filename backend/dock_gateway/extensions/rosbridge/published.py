@@ -4,7 +4,7 @@ import asyncio
 import logging
 from asyncio import Task
 
-from dock_gateway.core.work import MEDIUM, TooLarge, Work
+from dock_gateway.core.work import MEDIUM, SMALL, TooLarge, Work
 from dock_gateway.extensions.rosbridge.encoding import Payload, encode
 from dock_gateway.extensions.rosbridge.protocol import Compression
 from dock_gateway.graph.received import Received
@@ -35,9 +35,12 @@ class Published:
             TooLarge: It is too large for that.
         """
         if compression not in self._payloads:
-            if compression not in self._encoding:
-                self._encoding[compression] = asyncio.create_task(self._encode(compression, work))
-            self._payloads[compression] = await asyncio.shield(self._encoding[compression])
+            if self.size <= SMALL:  # then nothing is waited for: a task for each message costs a tenth of it all
+                self._payloads[compression] = await self._encode(compression, work)
+            else:
+                if compression not in self._encoding:
+                    self._encoding[compression] = asyncio.create_task(self._encode(compression, work))
+                self._payloads[compression] = await asyncio.shield(self._encoding[compression])
         return self._payloads[compression]
 
     async def _encode(self, compression: Compression, work: Work) -> Payload | None:
