@@ -122,3 +122,13 @@ def test_examples(gateway: RunningGateway) -> None:
     assert run_example(gateway, EXAMPLES / "fleet.py") == "/ succeeded"
     shown = run_example(gateway, "-c", cells_of(EXAMPLES / "battery.ipynb"))
     assert re.fullmatch(r"[1-9]\d* points, \d+ dockings", shown)
+
+
+def test_a_change_that_somebody_else_has_made_is_not_lost(gateway: RunningGateway) -> None:
+    label, at = {"display_name": "Ada's", "groups": []}, {"robot": "/robot1"}
+    with Client(gateway.url) as client:
+        first = client.request("PUT", "/label", label, params=at)
+        client.request("PUT", "/label", {**label, "display_name": "Bob's"}, params=at, if_match=first["etag"])
+        with pytest.raises(GatewayRefused) as refusal:
+            client.request("PUT", "/label", label, params=at, if_match=first["etag"])
+        assert (refusal.value.status, refusal.value.code) == (412, "changed_meanwhile")

@@ -104,10 +104,17 @@ class AsyncClient:
         return self.read(ReadPosition(self.connection, query, after))
 
     async def request(
-        self, method: str, path: str, body: object = None, *, params: calls.Params | None = None, wait: int = 0
+        self,
+        method: str,
+        path: str,
+        body: object = None,
+        *,
+        params: calls.Params | None = None,
+        wait: int = 0,
+        if_match: str | None = None,
     ) -> Any:
         """Send any other request of docs/api.md and return the decoded answer."""
-        return await self.call(calls.request(method, path, body, params, wait))
+        return await self.call(calls.request(method, path, body, params, wait, if_match=if_match))
 
     async def call(self, call: calls.Call[T]) -> T:
         """Send a request. Repeat it if the connection was lost and that does no harm."""

@@ -138,9 +138,12 @@ def set_parameters(node: str, values: Mapping[str, Any]) -> Call[Document]:
     return Call("PATCH", _parameters(node), _read_values, values, wait=SET_PARAMETERS)
 
 
-def request(method: str, path: str, body: object, params: Params | None, wait: int) -> Call[Any]:
+def request(
+    method: str, path: str, body: object, params: Params | None, wait: int, *, if_match: str | None = None
+) -> Call[Any]:
     """Send any other request."""
-    return Call(method, path, lambda answer: answer, body, params or {}, _prefer(wait) if wait else {}, wait=wait)
+    headers = {**(_prefer(wait) if wait else {}), **({} if if_match is None else {"If-Match": if_match})}
+    return Call(method, path, lambda answer: answer, body, params or {}, headers, wait=wait)
 
 
 def _prefer(wait: int) -> Mapping[str, str]:

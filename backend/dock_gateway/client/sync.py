@@ -146,7 +146,14 @@ class Client:
         return self.read(ReadPosition(self.connection, query, after))
 
     def request(
-        self, method: str, path: str, body: object = None, *, params: calls.Params | None = None, wait: int = 0
+        self,
+        method: str,
+        path: str,
+        body: object = None,
+        *,
+        params: calls.Params | None = None,
+        wait: int = 0,
+        if_match: str | None = None,
     ) -> Any:
         """Send any other request of docs/api.md and return the decoded answer.
 
@@ -156,8 +163,9 @@ class Client:
             body: The body, if there is one.
             params: The query.
             wait: Seconds that the gateway may wait before it answers, such as for the end of a goal (`Prefer: wait=…`).
+            if_match: The `etag` of what is changed: a change that somebody else has made meanwhile is not lost.
         """
-        return self.call(calls.request(method, path, body, params, wait))
+        return self.call(calls.request(method, path, body, params, wait, if_match=if_match))
 
     def call(self, call: calls.Call[T], deadline: float | None = None) -> T:
         """Send a request. Repeat it if the connection was lost and that does no harm, until the deadline."""

@@ -73,7 +73,7 @@ def enter(
         docks = client.request("GET", "/shared-docks")["shared_docks"]
     known: dict[str, Any] = next((each for each in docks if each["dock_id"] == dock_id), {})
     kept = {name: known[name] for name in ("robots", "pose", "type", "waiting_places") if name in known}
-    _show("PUT", dock_id, "", kept | body)
+    _show("PUT", dock_id, "", kept | body, known.get("etag"))
 
 
 @shared_dock.command()
@@ -126,10 +126,10 @@ def _path(dock_id: str) -> str:
     return f"/shared-docks/{quote(dock_id, safe='')}"
 
 
-def _show(method: str, dock_id: str, rest: str, body: dict[str, Any]) -> None:
+def _show(method: str, dock_id: str, rest: str, body: dict[str, Any], if_match: str | None = None) -> None:
     """Send a request about a dock, and print the dock."""
     with gateway() as client:
-        found = client.request(method, _path(dock_id) + rest, body)
+        found = client.request(method, _path(dock_id) + rest, body, if_match=if_match)
     print_answer(found, f"{found['dock_id']} {found['state']}: {found['detail']}")
 
 
