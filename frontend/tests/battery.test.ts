@@ -206,6 +206,9 @@ describe("words", () => {
     expect(statusWords(3)).toBe("Not charging");
     expect(statusWords(9)).toBe("Status 9");
     expect(formatPercentage(0.24)).toBe("24 %");
+    expect([0.1996, 0.2, 0.29, Math.fround(0.29), 0.9999, 1].map(formatPercentage)).toEqual([
+      ...["19 %", "20 %", "29 %", "29 %", "99 %", "100 %"],
+    ]);
     expect(formatPercentage(null)).toBe("not measured");
     expect(formatQuantity(null, "V")).toBe("not measured");
     expect([9, 8.98, -1.5, -0.001].map((value) => formatQuantity(value, "V"))).toEqual([

@@ -68,11 +68,14 @@ export function formatQuantity(value: number | null | undefined, unit: string): 
 const LEAST = -0.001;
 const MOST = 1.02;
 
-/** `percentage` is 0 to 1; one that cannot be is shown as it was sent. */
+/**
+ * `percentage` is 0 to 1; one that cannot be is shown as it was sent. Rounded down, so that 19.96 % is not 20 % beside
+ * "fell below 20 %"; a float32 of 0.29 is 29 %.
+ */
 export function formatPercentage(percentage: number | null | undefined): string {
   if (percentage === null || percentage === undefined) return NOT_MEASURED;
   if (percentage < LEAST || percentage > MOST) return `implausible (${percentage})`;
-  return `${fixed(Math.min(100, Math.max(0, percentage * 100)), 0)} %`;
+  return `${Math.floor(Math.min(100, Math.max(0, percentage * 100 + 1e-4)))} %`;
 }
 
 /** `24 %, 2.16 V, not charging` */

@@ -1,3 +1,4 @@
+import { formatPercentage } from "../../battery/words";
 import { codeWords } from "../../goal/words";
 import { formatDuration, formatter } from "../../ui/time";
 import { dayWords, WEEKDAYS } from "../../ui/timesOfDay";
@@ -40,14 +41,10 @@ export const OUTCOMES: Record<Decision["outcome"], { words: string; color: strin
   gave_up: { words: "Gave up", color: "red" },
 };
 
-function percentWords(charge: number): string {
-  return `${Math.round(charge * 100)} %`;
-}
-
 /** `Battery below 20 % and idle for 1 min`, `At 22:00, Mon–Fri (Europe/Berlin)` */
 export function conditionWords({ battery, schedule }: Pick<Rule, "battery" | "schedule">): string {
   if (battery !== null)
-    return `Battery below ${percentWords(battery.below)} and idle for ${formatDuration(battery.idle_s * 1000)}`;
+    return `Battery below ${formatPercentage(battery.below)} and idle for ${formatDuration(battery.idle_s * 1000)}`;
   if (schedule === null) return "";
   return `At ${schedule.times.join(", ")}, ${daysWords(schedule.weekdays)} (${schedule.time_zone})`;
 }
@@ -68,7 +65,7 @@ function factWords({ battery, idle_since_at, scheduled_at, decided_at }: Decisio
   if (scheduled_at !== null) {
     return `Due at ${clock(Date.parse(scheduled_at))}`;
   }
-  const charge = battery === null ? [] : [`Battery ${percentWords(battery)}`];
+  const charge = battery === null ? [] : [`Battery ${formatPercentage(battery)}`];
   const idle =
     idle_since_at === null
       ? []

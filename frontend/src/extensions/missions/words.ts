@@ -1,3 +1,4 @@
+import { formatPercentage } from "../../battery/words";
 import type { Naming } from "../../fleet/names";
 import { codeWords } from "../../goal/words";
 import { sentence } from "../../ui/text";
@@ -123,17 +124,13 @@ function navigateWords({ place, pose, poses }: NonNullable<MissionStep["navigate
 function waitWords({ seconds, until, battery }: NonNullable<MissionStep["wait"]>): string {
   if (seconds !== null) return `Wait ${secondsWords(seconds)}`;
   if (until !== null) return `Wait until ${formatTime(Date.parse(until))}`;
-  if (battery !== null) return `Wait until the battery has ${percentWords(battery)}`;
+  if (battery !== null) return `Wait until the battery has ${formatPercentage(battery)}`;
   return "Wait until someone continues";
 }
 
 /** `2 s`, `1 min 30 s` */
 export function secondsWords(seconds: number): string {
   return seconds < 10 ? `${seconds} s` : formatDuration(seconds * 1000);
-}
-
-export function percentWords(charge: number): string {
-  return `${Math.round(charge * 100)} %`;
 }
 
 /** Its name, else its steps: `Dock, Wait 2 s, Undock`. */
@@ -222,7 +219,7 @@ export function breakWords({ recharge }: Pick<Mission, "recharge">): string | nu
 
 /** `Returns below 25 %, charges to 80 %` */
 export function limitWords({ below, charge_to }: NonNullable<Mission["battery"]>): string {
-  return `Returns below ${percentWords(below)}, charges to ${percentWords(charge_to)}`;
+  return `Returns below ${formatPercentage(below)}, charges to ${formatPercentage(charge_to)}`;
 }
 
 /**
@@ -239,10 +236,10 @@ export function nowWords(mission: Mission, charge: number | null, now: number): 
     return mission.waits_for === "dock" ? WAITS.dock : "Driving to where it waits for the dock";
   if (mission.recharge !== null) return rechargeWords(mission, charge);
   if (mission.waits_for === "battery" && step.wait?.battery != null) {
-    const goal = `goes on at ${percentWords(step.wait.battery)}`;
+    const goal = `goes on at ${formatPercentage(step.wait.battery)}`;
     return charge === null
       ? `The battery's charge is unknown; ${goal}`
-      : `Battery at ${percentWords(charge)}; ${goal}`;
+      : `Battery at ${formatPercentage(charge)}; ${goal}`;
   }
   if (mission.waits_for === "time") {
     const end = endOf(step);
@@ -258,8 +255,9 @@ function rechargeWords({ recharge, battery, waits_for }: Mission, charge: number
   if (recharge === null || waits_for === null) return "";
   if (waits_for === "retry") return `Try ${recharge.tried + 1} begins within half a minute`;
   if (recharge.stage !== "charging" || waits_for !== "battery") return WAITS[waits_for];
-  const level = charge === null ? "The battery's charge is unknown" : `Battery at ${percentWords(charge)}`;
-  return battery === null ? level : `${level}; the mission goes on at ${percentWords(battery.charge_to)}`;
+  const level =
+    charge === null ? "The battery's charge is unknown" : `Battery at ${formatPercentage(charge)}`;
+  return battery === null ? level : `${level}; the mission goes on at ${formatPercentage(battery.charge_to)}`;
 }
 
 /** When a step that waits for a time ends (ms); null for other steps. */
