@@ -18,12 +18,14 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.grant import Grant, Role
+from dock_gateway.extensions.chargers.alerts import dock_alerts
 from dock_gateway.extensions.chargers.board import DockBoard
 from dock_gateway.extensions.chargers.dock import DockBody, DockEntry, DockRecord, Hold, WaitEntry
 from dock_gateway.extensions.chargers.metrics import dock_metrics
 from dock_gateway.extensions.chargers.schema import DockReport
 from dock_gateway.extensions.chargers.shared_docks import SharedDocks
 from dock_gateway.extensions.chargers.watch import DockWatch, Trouble
+from dock_gateway.fleet.alert import Alert
 from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
 from tests.support.entries import SharedStore
 from tests.support.history import HistoryInMemory
@@ -98,6 +100,9 @@ class Client(RouteClient):
     def report(self, body: object, status: int = 200, dock_id: str = "a") -> Any:
         path = f"/shared-docks/{dock_id}/report"
         return self.send("POST", path, status, template="/shared-docks/{dock_id}/report", json=body)
+
+    def alerts(self) -> list[Alert]:
+        return [*dock_alerts(self.docks, self.watch.trouble)]
 
     def call(self, work: Any, *arguments: Any) -> Any:
         assert self.http.portal is not None
@@ -236,11 +241,11 @@ def test_a_dock_that_is_out_of_order_or_for_others(client: Client) -> None:
     assert (broken["state"], broken["note"]) == ("out_of_order", "The cable is loose")
     error = client.refused(goal("/robot2", "a"))
     assert (error.code, error.detail) == ("dock_out_of_order", "the dock a is out of order: The cable is loose")
-    (alert,) = client.board.alerts()
+    (alert,) = client.alerts()
     assert (alert.kind.value, alert.robot) == ("dock_out_of_order", None)
     assert "a: The cable is loose" in alert.detail
     assert client.report({"out_of_order": False})["state"] == "free"
-    assert [*client.board.alerts()] == []
+    assert client.alerts() == []
 
 
 def test_what_people_say_of_a_dock(client: Client) -> None:
@@ -309,10 +314,30 @@ def test_what_somebody_has_to_act_on(client: Client) -> None:
     now = utc_now()
     client.watch.trouble = Trouble({"a": now}, {"a": ("/robot2", now)})
     assert client.get()["state"] == "no_contact"
-    assert [(alert.kind.value, alert.robot) for alert in client.board.alerts()] == [("dock_contested", "/robot2")]
+    assert [(alert.kind.value, alert.robot) for alert in client.alerts()] == [("dock_contested", "/robot2")]
     client.watch.trouble = Trouble({"a": now - timedelta(minutes=1)}, {})
-    (alert,) = client.board.alerts()
+    (alert,) = client.alerts()
     assert (alert.kind.value, alert.robot, alert.critical) == ("no_contact_at_dock", "/robot1", True)
+
+
+def test_a_robot_that_does_not_arrive_while_others_wait(client: Client) -> None:
+    client.put()
+    client.admit(goal(dock="a"))
+
+    def asked(**ago: float) -> None:
+        record = client.docks.records.all()["a"]
+        assert record.hold is not None
+        hold = record.hold.model_copy(update={"asked_at": utc_now() - timedelta(**ago)})
+        client.docks.records.put("a", record.model_copy(update={"hold": hold}))
+
+    asked(minutes=16)
+    assert client.alerts() == []  # it keeps nobody from the dock
+    client.refused(goal("/robot2", "a", origin="automation"), None)
+    (alert,) = client.alerts()
+    assert (alert.kind.value, alert.robot, alert.critical) == ("dock_not_reached", "/robot1", False)
+    assert "another robot waits" in alert.detail
+    asked(minutes=14)
+    assert client.alerts() == []
 
 
 def test_metrics(client: Client) -> None:

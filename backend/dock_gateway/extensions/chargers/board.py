@@ -1,7 +1,7 @@
-"""The shared docks as people see them: documents, events and alerts, within their grants."""
+"""The shared docks as people see them: documents and events, within their grants."""
 
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from dock_gateway.core.errors import DockOccupied, not_covered
@@ -15,16 +15,7 @@ from dock_gateway.extensions.chargers.dock import DockEntry, DockRecord
 from dock_gateway.extensions.chargers.schema import DockReport, DockState
 from dock_gateway.extensions.chargers.shared_docks import SharedDocks
 from dock_gateway.extensions.chargers.watch import DockWatch
-from dock_gateway.fleet.alert import Alert
-from dock_gateway.fleet.alert_kinds import AlertKind
 from dock_gateway.fleet.fleet import Fleet
-
-OUT_OF_ORDER = AlertKind("dock_out_of_order", critical=False)
-NO_CONTACT = AlertKind("no_contact_at_dock")
-CONTESTED = AlertKind("dock_contested")
-KINDS = (OUT_OF_ORDER, NO_CONTACT, CONTESTED)
-# Seconds for which a robot at a dock must not have been heard before that is an alert.
-SILENT_FOR = 30.0
 
 Document = dict[str, Any]
 
@@ -180,7 +171,7 @@ class DockBoard:
         self._watch.wake()
         return await self.document(dock_id, grant)
 
-    # ------------------------------------------------------------------ events and alerts
+    # ------------------------------------------------------------------ events
 
     def publish(self) -> None:
         """Publish the docks that have changed since the last time."""
@@ -202,28 +193,6 @@ class DockBoard:
         if not _is_for(dock, grant, groups):
             return None
         return {**document, "shared_dock": self._narrowed(document["dock_id"], dock, grant, groups)}
-
-    def alerts(self) -> Iterator[Alert]:
-        """Return what somebody has to act on."""
-        records, now = self.docks.records.all(), utc_now()
-        known = self.docks.book.all()
-        broken = {name: each for name in known if (each := records.get(name)) and each.out_of_order_at is not None}
-        if broken:
-            since = min(each.out_of_order_at for each in broken.values() if each.out_of_order_at is not None)
-            notes = "; ".join(f"{name}: {each.note or 'no reason given'}" for name, each in sorted(broken.items()))
-            detail = f"No robot is sent there. {notes}. Mend it, then say on the page Docks that it is in order."
-            yield Alert(OUT_OF_ORDER, None, since, f"Out of order: {', '.join(sorted(broken))}", detail)
-        for name, since in sorted(self._watch.trouble.silent.items()):
-            hold = records[name].hold if name in records else None
-            if hold is not None and hold.robot is not None and (now - since).total_seconds() >= SILENT_FOR:
-                detail = (
-                    f"{hold.robot} has the dock {name}, and has not been heard since. Look where it is; if the dock is "
-                    "free, say so on the page Docks."
-                )
-                yield Alert(NO_CONTACT, hold.robot, since, f"No contact at dock {name}", detail)
-        for name, (robot, since) in sorted(self._watch.trouble.contested.items()):
-            detail = f"{robot} is at the dock {name} or drives there, and another robot has it. Stop one of them."
-            yield Alert(CONTESTED, robot, since, f"Two robots at dock {name}", detail)
 
 
 def state_of(record: DockRecord, *, silent: bool = False) -> DockState:

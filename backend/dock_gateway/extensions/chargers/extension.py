@@ -7,7 +7,8 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.share import Share
 from dock_gateway.core.tasks import closed_by
 from dock_gateway.extension import Extension
-from dock_gateway.extensions.chargers.board import KINDS, DockBoard
+from dock_gateway.extensions.chargers.alerts import KINDS, dock_alerts
+from dock_gateway.extensions.chargers.board import DockBoard
 from dock_gateway.extensions.chargers.dock import DockEntry, DockRecord, WaitEntry
 from dock_gateway.extensions.chargers.dock_file import UNREAD, DockFile
 from dock_gateway.extensions.chargers.error_codes import CODES
@@ -58,7 +59,7 @@ async def open_chargers(parts: Parts) -> AsyncIterator[DockBoard]:
         stack.enter_context(actions.gates.adding(docks.admit))
         for listeners in (actions.on_end, actions.on_lost):
             stack.enter_context(listeners.adding(watch.wake))
-        stack.enter_context(parts[AlertBoard].sources.adding(board.alerts))
+        stack.enter_context(parts[AlertBoard].sources.adding(lambda: dock_alerts(docks, watch.trouble)))
         if settings.chargers_file is not None:
             file = closed_by(stack, DockFile(settings.chargers_file, docks, parts[Docks], ReloadPort(parts[Bridge])))
             stack.enter_context(parts[AlertBoard].sources.adding(file.alerts))
