@@ -151,8 +151,8 @@ describe("the simulator", () => {
   it("places the robot by keyboard in the picture, and says where", async () => {
     const { store, user } = simulatedPage();
     await screen.findByText(/Drag the robot/);
-    act(() => store.onEvent(sceneEvent({}, 1))); // a picture that is old by now cannot be changed
     screen.getByRole("application", { name: /Picture of the robot/ }).focus();
+    act(() => store.onEvent(sceneEvent({}, 1))); // at the last moment: a picture that is old cannot be changed
     await user.keyboard("{ArrowRight}");
     expect(await screen.findByText(/To be placed at x −1.45 m, y 0.40 m/)).toBeDefined();
     await user.keyboard("{Enter}");
