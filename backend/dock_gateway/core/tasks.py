@@ -3,7 +3,7 @@
 import asyncio
 import logging
 from collections import OrderedDict
-from collections.abc import AsyncIterator, Coroutine
+from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine
 from contextlib import AsyncExitStack, asynccontextmanager
 from typing import Any, Generic, Protocol, TypeVar
 
@@ -42,6 +42,16 @@ class Tasks:
         task.add_done_callback(self._ended)
         return task
 
+    def repeat(self, work: Callable[[], Awaitable[object]], interval: float, doing: str) -> None:
+        """Do something again and again in a background task. What it raises is logged, and ends nothing.
+
+        Args:
+            work: What to do.
+            interval: Seconds between the end of one time and the next.
+            doing: Its purpose, for the log.
+        """
+        self.spawn(_repeat(work, interval, doing))
+
     def _ended(self, task: "asyncio.Task[Any]") -> None:
         self._running.discard(task)
         if task.cancelled() or (error := task.exception()) is None:
@@ -59,6 +69,15 @@ class Tasks:
     async def close(self) -> None:
         """Cancel all tasks and wait for them."""
         await cancel(*self._running)
+
+
+async def _repeat(work: Callable[[], Awaitable[object]], interval: float, doing: str) -> None:
+    while True:
+        try:
+            await work()
+        except Exception:
+            log.exception("while %s", doing)
+        await asyncio.sleep(interval)
 
 
 class PendingFacts(Generic[T]):

@@ -27,6 +27,23 @@ async def test_what_they_raise_is_logged(caplog: pytest.LogCaptureFixture) -> No
     assert errors == [("ERROR", "while testing", True), ("INFO", "while testing: nobody is there", False)]
 
 
+async def test_what_is_repeated_goes_on_after_an_error(caplog: pytest.LogCaptureFixture) -> None:
+    tasks, times, again = Tasks("testing"), 0, asyncio.Event()
+
+    async def work() -> None:
+        nonlocal times
+        times += 1
+        if times == 1:
+            raise RuntimeError("broken")
+        again.set()
+
+    tasks.repeat(work, 0.0, "counting")
+    async with asyncio.timeout(10):
+        await again.wait()
+    await tasks.close()
+    assert [(record.levelname, record.message) for record in caplog.records] == [("ERROR", "while counting")]
+
+
 async def test_they_have_ended_once_their_owner_is_closed(caplog: pytest.LogCaptureFixture) -> None:
     tasks = Tasks("testing")
     sleeping = [tasks.spawn(asyncio.sleep(60)) for _ in range(3)]

@@ -1,6 +1,5 @@
 """Automatic docking: checks the robots once a second, and docks those that a rule says should dock."""
 
-import asyncio
 import logging
 import time
 import uuid
@@ -81,21 +80,13 @@ class AutomaticDocking:
 
     def start(self) -> None:
         """Check the robots from now on."""
-        self._tasks.spawn(self._run())
+        self._tasks.repeat(self._check, self._interval, "checking which robots should dock")
 
     async def close(self) -> None:
         """Stop docking robots."""
         await self._tasks.close()
 
     # ------------------------------------------------------------------ checking
-
-    async def _run(self) -> None:
-        while True:
-            try:
-                await self._check()
-            except Exception:
-                log.exception("while checking which robots should dock")
-            await asyncio.sleep(self._interval)
 
     async def _check(self) -> None:
         if self._checks % self._sync_every == 0:

@@ -15,10 +15,10 @@ NO_CONTACT = AlertKind("no_contact_at_dock")
 CONTESTED = AlertKind("dock_contested")
 LATE = AlertKind("dock_not_reached", critical=False)
 KINDS = (OUT_OF_ORDER, NO_CONTACT, CONTESTED, LATE)
-# A robot at a dock must not have been heard for so long.
+# How long a robot at a dock is not heard before that is an alert.
 SILENT_FOR = timedelta(seconds=30)
-# A robot is on its way to a dock for which others wait.
-ARRIVES_WITHIN = timedelta(minutes=15)
+# How long a robot may be on its way to a dock for which others wait.
+LATE_AFTER = timedelta(minutes=15)
 
 
 def dock_alerts(docks: SharedDocks, trouble: Trouble) -> Iterator[Alert]:
@@ -70,7 +70,7 @@ def _late(docks: SharedDocks) -> Iterator[Alert]:
         others = sum(
             robot != hold.robot and name in wait.docks and policy.is_waiting(wait, now) for robot, wait in waits.items()
         )
-        if others and now - asked >= ARRIVES_WITHIN:
+        if others and now - asked >= LATE_AFTER:
             who = "another robot waits" if others == 1 else f"{others} other robots wait"
             detail = (
                 f"It has been on its way for more than 15 minutes, and {who}. Look what keeps it, or cancel its goal."

@@ -61,19 +61,11 @@ class DockFile:
 
     def start(self) -> None:
         """Keep it from now on."""
-        self._tasks.spawn(self._run())
+        self._tasks.repeat(self.keep, INTERVAL, "keeping the file of docks")
 
     async def close(self) -> None:
         """Keep it no more; it stays as it is."""
         await self._tasks.close()
-
-    async def _run(self) -> None:
-        while True:
-            try:
-                await self.keep()
-            except Exception:
-                log.exception("while keeping the file of docks")
-            await asyncio.sleep(INTERVAL)
 
     async def keep(self) -> None:
         """Write the file if a dock has changed, and tell each server that has not read it yet."""

@@ -1,6 +1,5 @@
 """Sends the beginning and the end of each alert to the webhooks, once for all gateways that share the history."""
 
-import asyncio
 import logging
 import time
 from collections import deque
@@ -70,19 +69,11 @@ class Notifier:
 
     def start(self) -> None:
         """Scan the alerts from now on."""
-        self._tasks.spawn(self._run())
+        self._tasks.repeat(self._scan, self._interval, "checking which alerts to send")
 
     async def close(self) -> None:
         """Scan no more."""
         await self._tasks.close()
-
-    async def _run(self) -> None:
-        while True:
-            try:
-                await self._scan()
-            except Exception:
-                log.exception("while checking which alerts to send")
-            await asyncio.sleep(self._interval)
 
     async def _scan(self) -> None:
         if self._scans % self._read_every == 0:

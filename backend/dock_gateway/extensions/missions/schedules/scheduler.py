@@ -57,29 +57,21 @@ class Scheduler:
         self._clock = clock
         self._waits: dict[str, datetime] = {}  # since when a robot is waited for, by the mission's id
         self._busy: set[str] = set()  # schedules
+        self._synced = float("-inf")  # on the clock of the loop
         self._tasks = Tasks("queuing missions of schedules")
 
     def start(self) -> None:
         """Queue missions from now on."""
-        self._tasks.spawn(self._run())
+        self._tasks.repeat(self._look, INTERVAL, "looking at schedules")
 
     async def close(self) -> None:
         """Queue no more."""
         await self._tasks.close()
 
-    async def _run(self) -> None:
-        synced = float("-inf")
+    async def _look(self) -> None:
         loop = asyncio.get_running_loop()
-        while True:
-            try:
-                if loop.time() - synced >= SYNC_INTERVAL and await self._book.sync():
-                    synced = loop.time()
-                self._look()
-            except Exception:
-                log.exception("while looking at schedules")
-            await asyncio.sleep(INTERVAL)
-
-    def _look(self) -> None:
+        if loop.time() - self._synced >= SYNC_INTERVAL and await self._book.sync():
+            self._synced = loop.time()
         now = self._clock()
         for schedule_id, schedule in self._book.all().items():
             ours = schedule.robot is None or self._share.covers_robot(schedule.robot)
