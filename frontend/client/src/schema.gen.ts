@@ -2431,7 +2431,7 @@ export interface components {
          * @description The kinds of alerts.
          * @enum {string}
          */
-        AlertKind: "stop_latched" | "goal_lost" | "discharging_on_dock" | "low_battery" | "battery_implausible" | "battery_stale" | "history_lost" | "extension_failed" | "duplicate_action_server" | "split_robot" | "site_unreachable" | "site_refused" | "wrong_topic_type" | "duplicate_base" | "robot_seen_twice" | "robots_claimed_twice" | "commands_lost" | "recordings_failed" | "automatic_docking_failed" | "dock_out_of_order" | "no_contact_at_dock" | "dock_contested" | "dock_file_unread" | "mission_notice" | "schedule_failed" | "mission_return_failed" | "mission_unapproved";
+        AlertKind: "stop_latched" | "goal_lost" | "discharging_on_dock" | "low_battery" | "battery_implausible" | "battery_stale" | "history_lost" | "extension_failed" | "duplicate_action_server" | "split_robot" | "site_unreachable" | "site_refused" | "wrong_topic_type" | "duplicate_base" | "robot_seen_twice" | "robots_claimed_twice" | "commands_lost" | "recordings_failed" | "automatic_docking_failed" | "dock_out_of_order" | "no_contact_at_dock" | "dock_contested" | "dock_not_reached" | "dock_file_unread" | "mission_notice" | "schedule_failed" | "mission_return_failed" | "mission_unapproved";
         /**
          * AlertList
          * @description The active alerts: critical ones first, then oldest first.
