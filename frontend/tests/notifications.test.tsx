@@ -58,7 +58,7 @@ describe("this browser", () => {
     expect(isWanted({ ...LOW, acknowledged }, QUIET, naming)).toBe(false);
   });
 
-  it("shows a notification of each alert that begins, once", async () => {
+  it("shows a notification of each alert that begins, once, and one of a stop of several robots", async () => {
     const shown: { title: string; options: NotificationOptions }[] = [];
     class FakeNotification {
       static permission = "granted";
@@ -87,5 +87,19 @@ describe("this browser", () => {
       title: "/robot1: Stopped",
       options: { tag: "stop", body: LOW.detail, requireInteraction: true },
     });
+    const others = ["/robot2", "/robot3", "/robot4", "/robot5"].map((robot) => ({
+      ...STOPPED,
+      id: robot,
+      robot,
+    }));
+    shown.length = 0;
+    alerts(LOW, STOPPED, ...others.slice(0, 2));
+    alerts(LOW, STOPPED, ...others);
+    await waitFor(() => expect(shown).toHaveLength(2));
+    expect(shown.map(({ title }) => title)).toEqual([
+      "/robot1, /robot2, /robot3: Stopped",
+      "/robot1, /robot2, /robot3 and 2 more: Stopped",
+    ]);
+    for (const { options } of shown) expect(options.tag).toBe("stop");
   });
 });

@@ -17,6 +17,7 @@ import { Time } from "../ui/Time";
 import classes from "./alerts.module.css";
 import { SeverityMark } from "./marks";
 import { alertsOf, openAlerts, together, urgentFirst } from "./order";
+import { detailOf, robotsOf } from "./words";
 
 /** The number of alerts that are shown at first. */
 const FIRST = 4;
@@ -97,8 +98,8 @@ function AlertItem({ alerts }: { alerts: readonly Alert[] }) {
   const naming = useNaming();
   const [alert] = alerts;
   if (alert === undefined) return null;
-  const { robot, severity, title, detail, started_at, goal_id, acknowledged } = alert;
-  const robots = naming.inOrder(alerts.flatMap((each) => each.robot ?? []));
+  const { robot, severity, title, started_at, goal_id, acknowledged } = alert;
+  const robots = robotsOf(alerts, naming);
   const what =
     robots.length === 0 ? title : `${title}: ${robots.map((name) => naming.fullNameOf(name)).join(", ")}`;
   return (
@@ -122,7 +123,7 @@ function AlertItem({ alerts }: { alerts: readonly Alert[] }) {
           ))}
           {robots.length > NAMES && ` and ${robots.length - NAMES} more`}
         </Text>
-        <Text size="sm">{alerts.length === 1 ? detail : STOPPED}</Text>
+        <Text size="sm">{detailOf(alerts)}</Text>
         <Text size="sm" c="dimmed">
           {severity === "critical" ? "Critical" : "Warning"}, since <Time value={started_at} />
           {alert.kind === "low_battery" && robot !== null && <BatteryNow robot={robot} />}
@@ -144,9 +145,6 @@ function AlertItem({ alerts }: { alerts: readonly Alert[] }) {
     </li>
   );
 }
-
-/** What is said of a stop of several robots. */
-const STOPPED = "Goals are refused. Check that the area is clear, then release the stop.";
 
 /** The charge of a robot as its row and its page say it. */
 function BatteryNow({ robot }: { robot: string }) {

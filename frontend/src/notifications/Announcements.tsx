@@ -1,15 +1,20 @@
 import type { Alert } from "@dock-gateway/client";
 import { useEffect, useRef } from "react";
 import { useNavigate } from "react-router";
+import { together } from "../alerts/order";
+import { detailOf, robotsOf, shortened } from "../alerts/words";
 import { siteKey } from "../api/site";
 import { useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
 import type { Naming } from "../fleet/names";
 import { robotPath } from "../fleet/names";
 import { isCovered } from "../fleet/robotChoice";
-import { notify, type Preferences, playSound, usePreferences } from "./announce";
+import { type Announcement, notify, type Preferences, playSound, usePreferences } from "./announce";
 
 /** The tab that announces alerts holds it, so that several tabs make one sound. */
 const LOCK = siteKey("dock-gateway-announcer");
+
+/** So many robots of one alert are named: a notification is narrow. */
+const NAMES = 3;
 
 /** Announces each alert that begins while the page is open, as this browser is set to. */
 export function Announcements(): null {
@@ -26,19 +31,29 @@ export function Announcements(): null {
     const before = known.current;
     known.current = new Set(alerts.map(({ id }) => id));
     if (before === null || !leads.current) return; // those of before are on the page
-    const fresh = alerts.filter((alert) => !before.has(alert.id) && isWanted(alert, chosen, naming));
-    if (desktop)
-      for (const alert of fresh)
-        notify({
-          tag: siteKey(alert.id),
-          title: alert.robot === null ? alert.title : `${naming.nameOf(alert.robot)}: ${alert.title}`,
-          body: alert.detail,
-          critical: alert.severity === "critical",
-          onPress: () => void navigate(alert.robot === null ? "/" : robotPath(alert.robot)),
-        });
-    if (sound && fresh.length > 0) void playSound(fresh.some(({ severity }) => severity === "critical"));
+    const wanted = together(alerts.filter((alert) => isWanted(alert, chosen, naming)));
+    const fresh = wanted.filter((each) => each.some(({ id }) => !before.has(id)));
+    if (desktop) for (const each of fresh) notify(announcement(each, naming, (path) => void navigate(path)));
+    if (sound && fresh.length > 0) void playSound(fresh.some(([first]) => first?.severity === "critical"));
   }, [live, alerts, chosen, desktop, sound, naming, navigate, leads]);
   return null;
+}
+
+/** What is said of alerts that are shown as one: of a stop of several robots once, also if it comes in parts. */
+function announcement(alerts: readonly Alert[], naming: Naming, go: (path: string) => void): Announcement {
+  const [first] = alerts;
+  const robots = robotsOf(alerts, naming);
+  const names = shortened(
+    robots.map((name) => naming.nameOf(name)),
+    NAMES,
+  );
+  return {
+    tag: siteKey(first?.id ?? ""),
+    title: names === "" ? (first?.title ?? "") : `${names}: ${first?.title}`,
+    body: detailOf(alerts),
+    critical: first?.severity === "critical",
+    onPress: () => go(robots.length === 1 ? robotPath(robots[0] ?? "") : "/"),
+  };
 }
 
 /** Whether an alert is to be announced; one of the gateway itself concerns everybody. */

@@ -4,7 +4,7 @@ import { Kept, useKept } from "../ui/kept";
 
 /** Sounds and notifications of the operating system, where the browser allows them. */
 
-interface Announcement {
+export interface Announcement {
   /** One with the same tag replaces an earlier one, also from another tab. */
   tag: string;
   title: string;
