@@ -130,7 +130,7 @@ describe("the stage", () => {
     expect(elements.get("/c")?.dataset.placed).toBeUndefined();
     const style = (name: string) => elements.get("/a")?.style.getPropertyValue(name);
     expect([style("--outline"), style("--arrow")]).toEqual(["circle(47%)", "1.000"]);
-    expect(calls.filter(([name, [text]]) => name === "fillText" && text === "dock")).toHaveLength(1);
+    expect(calls.filter(([name]) => name === "fill")).toHaveLength(3); // a dock, with its two contacts
 
     const points = [
       { x: 0.5, y: 0 },
@@ -162,6 +162,38 @@ describe("the stage", () => {
     next.destroy();
     vi.useRealTimers();
   });
+});
+
+it("names those in trouble first where there is no room for every name", () => {
+  vi.useFakeTimers({ toFake: ["requestAnimationFrame", "cancelAnimationFrame", "performance"] });
+  vi.spyOn(HTMLElement.prototype, "offsetWidth", "get").mockReturnValue(60);
+  vi.spyOn(HTMLElement.prototype, "offsetHeight", "get").mockReturnValue(16);
+  const context = new Proxy({}, { get: () => () => {} });
+  vi.spyOn(HTMLCanvasElement.prototype, "getContext").mockReturnValue(context as never);
+  const elements = new Map(
+    Object.entries({ "/a": "", "/b": "warning", "/c": "critical", "/d": "" }).map(([name, level]) => {
+      const element = document.createElement("li");
+      if (level !== "") element.dataset.level = level;
+      element.innerHTML = "<span data-label></span>";
+      return [name, element] as const;
+    }),
+  );
+  const scenes = new FleetScenes([]);
+  const canvas = document.createElement("canvas");
+  const means = { canvas, colors: SCENE_COLORS.light, scheme: "light", reducedMotion: true } as const;
+  const stage = new FleetStage(means, new Camera(), elements, scenes);
+  stage.resize({ width: 600, height: 400 });
+  const crowded = (poses: Record<string, Scene>) => {
+    scenes.onEvent(event(poses));
+    vi.advanceTimersByTime(50);
+    return [...elements].filter(([, { dataset }]) => dataset.crowded !== undefined).map(([name]) => name);
+  };
+  const there = { "/a": scene(0), "/b": scene(0.01), "/d": scene(9) };
+  expect(crowded(there)).toEqual(["/a"]);
+  expect(crowded({ ...there, "/c": scene(0.02) })).toEqual(["/a", "/b"]);
+  expect(crowded({ ...there, "/b": scene(4), "/c": scene(-4) })).toEqual([]);
+  stage.destroy();
+  vi.useRealTimers();
 });
 
 describe("the map's page", () => {

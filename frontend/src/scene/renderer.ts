@@ -3,6 +3,7 @@ import { compose, type Point, type Size, type View } from "../store/geometry";
 import { type Detection, FADE_MS } from "../store/sceneBuffer";
 import { type Seen, sameDock } from "./around";
 import { type Drawing, type Ground, write } from "./ground";
+import { Labels } from "./labels";
 import { drawDots, drawLine } from "./marks";
 import {
   arrowRadius,
@@ -53,16 +54,23 @@ export function draw(ctx: CanvasRenderingContext2D, ground: Ground, picture: Pic
   for (const line of around.lines) drawLine(ctx, picture, line);
   if (shapes.staging !== null) drawStaging(ctx, picture, shapes.staging);
   if (shapes.docked !== null) drawContactZone(ctx, picture, shapes.docked);
-  const own = shapes.dock && sameDock(shapes.dock, around.docks);
-  for (const dock of around.docks) if (dock !== own) drawDock(ctx, picture, dock.pose, dock.name);
-  if (shapes.dock !== null) drawDock(ctx, picture, shapes.dock, own?.name);
+  for (const dock of docksOf(picture)) drawDock(ctx, picture, dock.pose);
   for (const dots of around.dots) drawDots(ctx, picture, robot, dots, around.blocked);
   drawBeams(ctx, picture, robot);
   drawRobot(ctx, picture, robot, ghost === null ? 1 : 0.35);
   drawDetections(ctx, picture);
   if (ghost !== null) drawRobot(ctx, picture, ghost, 0.8);
   if (picture.handle) drawHandle(ctx, picture, ghost ?? robot);
+  drawLabels(ctx, picture);
   drawScaleBar(ctx, picture);
+}
+
+/** The docks, that of the robot first, which has a name only if it is one of the others. */
+function docksOf({ shapes, around }: Picture): { pose: Pose; name?: string }[] {
+  if (shapes.dock === null) return [...around.docks];
+  const own = sameDock(shapes.dock, around.docks);
+  const first = own === undefined ? { pose: shapes.dock } : { ...own, pose: shapes.dock };
+  return [first, ...around.docks.filter((dock) => dock !== own)];
 }
 
 /** Where a robot is to stand, dashed; what follows is drawn in the same colour and width. */
@@ -92,7 +100,6 @@ function drawStaging(ctx: CanvasRenderingContext2D, picture: Picture, staging: P
     [-tip * 0.4, -tip * 0.5],
   ]);
   ctx.stroke();
-  label(ctx, picture, { x: staging.x, y: staging.y - footprint.radius }, "staging pose", colors.staging);
   ctx.restore();
 }
 
@@ -109,8 +116,7 @@ function drawContactZone(ctx: CanvasRenderingContext2D, picture: Picture, docked
   ctx.restore();
 }
 
-/** @param name Shown at any size; a dock without a name is only labelled from near. */
-export function drawDock(ctx: CanvasRenderingContext2D, picture: Drawing, dock: Pose, name?: string): void {
+export function drawDock(ctx: CanvasRenderingContext2D, picture: Drawing, dock: Pose): void {
   const { colors, view } = picture;
   const { front, back, half } = DOCK_BOX;
   box(ctx, picture, dock, front, back, half);
@@ -132,8 +138,6 @@ export function drawDock(ctx: CanvasRenderingContext2D, picture: Drawing, dock: 
   ctx.strokeStyle = colors.marker;
   ctx.lineWidth = Math.max(2, 0.015 * view.scale);
   ctx.stroke();
-  const below = compose(dock, { x: (front + back) / 2, y: -half, theta: 0 });
-  label(ctx, picture, below, name ?? "dock", colors.text, name === undefined ? LABELLED : 0);
 }
 
 function drawBeams(ctx: CanvasRenderingContext2D, picture: Picture, robot: Pose): void {
@@ -248,24 +252,33 @@ export function drawScaleBar(
   write(ctx, { colors }, `frame ${frame}`, x + length + 12, y + 2, colors.text);
 }
 
-/** Farther away (CSS pixels a metre), there is no room for labels. */
+/** Farther away (CSS pixels a metre), only what has a name of its own is labelled. */
 const LABELLED = 60;
-const FONT = "12px system-ui, sans-serif";
+const FONT_PX = 12;
+const FONT = `${FONT_PX}px system-ui, sans-serif`;
+/** A label is so far below what it names (CSS pixels). */
+const BELOW_PX = 6;
 
-function label(
-  ctx: CanvasRenderingContext2D,
-  picture: Drawing,
-  below: Point,
-  text: string,
-  color: string,
-  least = LABELLED,
-): void {
-  if (picture.view.scale < least) return;
-  const { x, y } = toScreen(picture.view, picture.size, below);
+/** The names of the docks, and where the robot gets ready; one that would lie on another one is left out. */
+function drawLabels(ctx: CanvasRenderingContext2D, picture: Picture): void {
+  const { shapes, colors, view, size, footprint } = picture;
+  const near = view.scale >= LABELLED;
+  const labels = new Labels();
   ctx.font = FONT;
   ctx.textAlign = "center";
   ctx.textBaseline = "top";
-  write(ctx, picture, text, x, y + 6, color);
+  const label = (below: Point, text: string, color: string) => {
+    const { x, y } = toScreen(view, size, below);
+    const room = { width: ctx.measureText(text).width, height: FONT_PX };
+    if (labels.take({ x, y: y + BELOW_PX }, room)) write(ctx, picture, text, x, y + BELOW_PX, color);
+  };
+  const { front, back, half } = DOCK_BOX;
+  for (const { pose, name } of docksOf(picture))
+    if (near || name !== undefined)
+      label(compose(pose, { x: (front + back) / 2, y: -half, theta: 0 }), name ?? "dock", colors.text);
+  const { staging } = shapes;
+  if (near && staging !== null)
+    label({ x: staging.x, y: staging.y - footprint.radius }, "staging pose", colors.staging);
 }
 
 /** The outline of the robot at a pose. */

@@ -101,7 +101,7 @@ const Marker = memo(function Marker({ robot, name, level, words, elements }: Mar
           <rect x="-10" y="-10" width="20" height="20" />
           <path d="M6.8 0-3.9 4.7-1.5 0-3.9-4.7Z" />
         </svg>
-        <span className={classes.label}>
+        <span className={classes.label} data-label>
           {name}
           {words !== undefined && <span className={classes.words}>{words}</span>}
         </span>

@@ -2,6 +2,7 @@ import type { Footprint, Scene } from "@dock-gateway/client";
 import type { Camera } from "../../scene/camera";
 import type { Stage } from "../../scene/gestures";
 import { drawGrid } from "../../scene/ground";
+import { Labels } from "../../scene/labels";
 import { type Means, Picture } from "../../scene/picture";
 import { drawDock, drawScaleBar } from "../../scene/renderer";
 import { around, arrowRadius, footprintOf } from "../../scene/shapes";
@@ -89,6 +90,7 @@ export class FleetStage extends Picture implements Stage {
     for (const dock of docks.values()) drawDock(context, picture, dock);
     drawScaleBar(context, picture);
     for (const [name, scene] of shared) this.#place(name, scene);
+    this.#label(shared);
     if (this.camera.glides) this.invalidate();
   };
 
@@ -106,7 +108,31 @@ export class FleetStage extends Picture implements Stage {
     element.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
     element.dataset.placed = "";
   }
+
+  /** Names robots as far as there is room, those that are in trouble first. */
+  #label(scenes: readonly (readonly [string, Scene])[]): void {
+    const labels = new Labels();
+    const found = scenes.flatMap(([name, { robot }]) => {
+      const element = this.robots.get(name);
+      const label = element?.querySelector<HTMLElement>("[data-label]");
+      if (!element || !label) return [];
+      const { x, y } = toScreen(this.view, this.size, robot);
+      const { offsetWidth: width, offsetHeight: height, offsetTop } = label;
+      const urgency = LEVELS.indexOf(element.dataset.level);
+      return {
+        element,
+        urgency,
+        top: { x, y: y + offsetTop - element.offsetHeight / 2 },
+        size: { width, height },
+      };
+    });
+    for (const { element, top, size } of found.sort((one, other) => other.urgency - one.urgency))
+      element.toggleAttribute("data-crowded", !labels.take(top, size));
+  }
 }
+
+/** What the page says of robots, from good to bad. */
+const LEVELS: readonly (string | undefined)[] = [undefined, "warning", "critical"];
 
 /** The circle around a footprint is a little smaller than the element that shows it (%). */
 const RADIUS = 47;
