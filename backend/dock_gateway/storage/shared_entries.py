@@ -114,9 +114,13 @@ class SharedEntries(Generic[EntryT]):
     async def _save(self) -> None:
         async with self._saving:
             for key, entry in list(self._unsaved.items()):
-                await self._store.write(key, entry)
+                await self._write(key, entry)
                 if self._unsaved[key] is entry:
                     del self._unsaved[key]
+
+    async def _write(self, key: str, entry: EntryT | None) -> None:
+        """Store a change that `put` made."""
+        await self._store.write(key, entry)
 
 
 class SharedBook(SharedEntries[EntryT]):

@@ -1,7 +1,8 @@
 """When robots were last stopped: no mission begins, or goes on, that nobody has let do so since."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from contextlib import suppress
+from dataclasses import dataclass
 from datetime import datetime
 
 from dock_gateway.core.errors import Conflict
@@ -12,15 +13,13 @@ from dock_gateway.storage.shared_entries import SharedEntries
 
 @dataclass(frozen=True)
 class LastStop:
-    """The last stop of a robot.
+    """A stop of a robot, or its release.
 
     Attributes:
-        at: When it was last requested or released.
-        requested_at: When it was last requested; None if that was not noted.
+        at: When it was requested.
     """
 
     at: datetime
-    requested_at: datetime | None = None
 
 
 class LastStops(SharedEntries[LastStop]):
@@ -31,12 +30,11 @@ class LastStops(SharedEntries[LastStop]):
 
     def note(self, robot: str, now: datetime) -> None:
         """Note a stop. It counts at once, and `sync` stores it."""
-        self.put(robot, LastStop(now, now))
+        self.put(robot, LastStop(now))
 
     def note_release(self, robot: str, now: datetime) -> None:
-        """Note that a stop is released, as `note`."""
-        found = self.get(robot)
-        self.put(robot, LastStop(now) if found is None else replace(found, at=now))
+        """Note that a stop is released, as `note`: beside the stop, so that it replaces none of another gateway."""
+        self.put(_release_of(robot), LastStop(now))
 
     async def allow(self, robot: str, since: datetime) -> None:
         """Let a robot go on, unless it was stopped again since a time.
@@ -45,23 +43,32 @@ class LastStops(SharedEntries[LastStop]):
             Unavailable: The history does not answer (`history_unavailable`).
         """
         await self.read()
-        known = self.get(robot)
-        if known is None or known.at > since:
+        if (stopped_at := self.at(robot)) is None or stopped_at > since:
             return
+        for key in (robot, _release_of(robot)):
+            with suppress(Conflict):
+                await self._remove(key, self.get(key))
 
+    async def _write(self, key: str, entry: LastStop | None) -> None:
         def check(stored: Mapping[str, LastStop]) -> None:
-            if stored.get(robot) != known:
+            if entry is not None and key in stored and stored[key].at > entry.at:
+                raise Conflict("a later one is stored")
+
+        with suppress(Conflict):
+            await self._store.write(key, entry, check)
+
+    async def _remove(self, key: str, known: LastStop | None) -> None:
+        def check(stored: Mapping[str, LastStop]) -> None:
+            if stored.get(key) != known:
                 raise Conflict("it was stopped again")
 
-        try:
-            await self.store(robot, None, check)
-        except Conflict:
-            return
+        if known is not None:
+            await self.store(key, None, check)
 
     def at(self, robot: str) -> datetime | None:
         """Return when a robot was last stopped or released; None if that was never noted, or it was let go on."""
-        found = self.get(robot)
-        return None if found is None else found.at
+        noted = (self.get(robot), self.get(_release_of(robot)))
+        return max((each.at for each in noted if each is not None), default=None)
 
     def holds(self, robot: str, mission: MissionEntry) -> bool:
         """Return whether a robot was stopped since somebody last let a mission begin or go on."""
@@ -81,4 +88,8 @@ class LastStops(SharedEntries[LastStop]):
 
 
 def _is_since(stop: LastStop | None, mission: MissionEntry) -> bool:
-    return stop is not None and stop.requested_at is not None and stop.requested_at > mission.allowed_since
+    return stop is not None and stop.at > mission.allowed_since
+
+
+def _release_of(robot: str) -> str:
+    return f"{robot} released"
