@@ -4132,6 +4132,8 @@ export interface components {
         /**
          * Hold
          * @description A robot that was stopped: its automatic docking waits until a person continues it.
+         *
+         *     `held_at` is when it was stopped, or its stop was released.
          */
         Hold: {
             /**

@@ -17,11 +17,10 @@ from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.extensions.automation import docking, facts
 from dock_gateway.extensions.automation.activity import Activity
-from dock_gateway.extensions.automation.decision import DecisionEntry, DecisionOutcome, HoldEntry, RuleMode
+from dock_gateway.extensions.automation.decision import DecisionEntry, DecisionOutcome, RuleMode
 from dock_gateway.extensions.automation.decisions import DecisionLog
 from dock_gateway.extensions.automation.docking import AutomaticDocking
 from dock_gateway.extensions.automation.facts import FactReader
-from dock_gateway.extensions.automation.holds import Holds
 from dock_gateway.extensions.automation.past import MAX_ATTEMPTS
 from dock_gateway.extensions.automation.rule import BatteryCondition, RuleEntry
 from dock_gateway.extensions.automation.rules import DockingRules
@@ -31,8 +30,9 @@ from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.robots.labels import NO_LABEL
 from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.stop.last_stops import LastStop, LastStops
 from dock_gateway.storage import History
-from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
+from dock_gateway.storage.shared_entries import SharedBook
 from tests.extensions.automation.examples import LOW_BATTERY, changed, decision_entry
 from tests.support.entries import SharedStore
 from tests.support.history import HistoryInMemory
@@ -100,7 +100,7 @@ class Site:
         self.gateways: list[AutomaticDocking] = []
         self.activities: list[Activity] = []  # of each of them
         self.history = HistoryInMemory()
-        self.held: SharedStore[HoldEntry] = SharedStore()
+        self.held: SharedStore[LastStop] = SharedStore()
         self.fanout = Fanout(queue_limit=10)
 
     def activity(self) -> Activity:
@@ -112,16 +112,17 @@ class Site:
 
     def gateway(self, sync_every: int = 2) -> DockingRules:
         fleet, activity = cast("Fleet", self.robot), self.activity()
-        robots = SimpleNamespace(owner=lambda _: SimpleNamespace(namespace=ROBOT))
-        holds = Holds(cast("RobotRegistry", robots), SharedEntries(self.held))
-        rules = DockingRules(fleet, SharedBook(self.rules, "rule", 50), DecisionLog(self.fanout, self.stored), holds)
+        robots = SimpleNamespace(owner=lambda _: SimpleNamespace(namespace=ROBOT), on_low_battery=lambda *_: None)
+        decisions = DecisionLog(self.fanout, self.stored)
+        rules = DockingRules(fleet, SharedBook(self.rules, "rule", 50), decisions, LastStops(self.held))
         gateway = AutomaticDocking(
             rules,
-            FactReader(fleet, activity, held=holds.has),
+            FactReader(fleet, activity, held=rules.holds),
             activity,
             actions=cast("ActionRegistry", self.robot),
             robot_actions=cast("RobotActions", self.robot),
             history=cast("History", self.history),
+            robots=cast("RobotRegistry", robots),
             interval=0.01,
             sync_every=sync_every,
         )
@@ -155,19 +156,19 @@ async def waits(rules: DockingRules) -> list[str]:
 async def test_no_rule_docks_a_robot_that_was_stopped_until_somebody_says_so(site: Site) -> None:
     rules = site.gateway()
     rules.on_stop(ROBOT)
-    assert not rules.holds.has(ROBOT), "no rule is on"
+    assert not rules.holds(ROBOT), "no rule is on"
     site.robot.stop["latched"] = True
     await rules.replace("low", AT_ONCE)
     rules.on_stop(ROBOT)
     await site.decided()
     site.robot.stop["latched"] = False
-    rules.on_stop(ROBOT)
+    rules.on_release(ROBOT)
     other = site.gateway()  # or this one, after a restart
-    await until(lambda: other.holds.has(ROBOT))
+    await until(lambda: other.holds(ROBOT))
     await asyncio.sleep(0.1)
     assert (await waits(rules), await waits(other)) == (["stopped"], ["stopped"])
     assert site.robot.sent == []
-    await rules.holds.end(ROBOT)
+    await rules.last_stops.allow(ROBOT)
     await site.decided(2)
     assert len(site.robot.sent) == 1
 
@@ -184,10 +185,13 @@ async def test_who_has_driven_the_robot_since_has_let_the_rules_go_on(
     after = Goal("b", f"{ROBOT}/dock", "pkg/action/Dock", utc_now(), origin)
     for goal in (before, after):
         goal.advance(status, utc_now())
-    rules.holds.on_end(before)
-    assert rules.holds.has(ROBOT)
-    rules.holds.on_end(after)
-    assert rules.holds.has(ROBOT) is (origin == "automation" or status is not GoalStatus.SUCCEEDED)
+    (gateway,) = site.gateways
+    gateway.on_end(before)
+    await asyncio.sleep(0.05)
+    assert rules.holds(ROBOT)
+    gateway.on_end(after)
+    await asyncio.sleep(0.05)
+    assert rules.holds(ROBOT) is (origin == "automation" or status is not GoalStatus.SUCCEEDED)
 
 
 async def test_no_goal_is_sent_to_a_server_that_robots_share(site: Site) -> None:
@@ -398,7 +402,7 @@ async def test_an_old_decision_that_counts_is_kept(site: Site) -> None:
 
 
 def test_what_counts_as_activity(caplog: pytest.LogCaptureFixture) -> None:
-    robots = SimpleNamespace(owner=lambda _: SimpleNamespace(namespace=ROBOT))
+    robots = SimpleNamespace(owner=lambda _: SimpleNamespace(namespace=ROBOT), on_low_battery=lambda *_: None)
     activity = Activity(cast("RobotRegistry", robots))
     assert activity.still_since(ROBOT) is None
     changes: list[set[str]] = []

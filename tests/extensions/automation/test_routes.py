@@ -9,15 +9,14 @@ from hypothesis import given, settings
 
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.fanout import Fanout
-from dock_gateway.extensions.automation.decision import DecisionEntry, DecisionOutcome, HoldEntry
+from dock_gateway.extensions.automation.decision import DecisionEntry, DecisionOutcome
 from dock_gateway.extensions.automation.decisions import DecisionLog
-from dock_gateway.extensions.automation.holds import Holds
 from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.extensions.automation.rules import DockingRules
 from dock_gateway.fleet.fleet import Fleet
 from dock_gateway.goals.known_robots import KnownRobots
-from dock_gateway.robots.registry import RobotRegistry
-from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
+from dock_gateway.stop.last_stops import LastStop, LastStops
+from dock_gateway.storage.shared_entries import SharedBook
 from tests.extensions.automation.examples import decision_entry
 from tests.support.history import HistoryInMemory
 from tests.support.robot_actions import make_known_robots
@@ -43,7 +42,7 @@ class Client(RouteClient):
             cast("Fleet", SimpleNamespace(states=lambda: states)),
             SharedBook(self.history.documents("rule", RuleEntry), "rule", 2),
             DecisionLog(Fanout(queue_limit=1), self.history.documents("decision", DecisionEntry)),
-            Holds(cast("RobotRegistry", None), SharedEntries(self.history.documents("hold", HoldEntry))),
+            LastStops(self.history.documents("hold", LastStop)),
         )
         super().__init__({DockingRules: rules, KnownRobots: make_known_robots(self.history, "/", "/robot1")})
 

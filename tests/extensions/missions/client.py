@@ -13,7 +13,6 @@ from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.extensions.missions.actions import covers
 from dock_gateway.extensions.missions.book import MissionBook
-from dock_gateway.extensions.missions.last_stops import LastStop, LastStops
 from dock_gateway.extensions.missions.messages import Messages
 from dock_gateway.extensions.missions.mission import MissionEntry
 from dock_gateway.extensions.missions.missions import Missions
@@ -27,6 +26,7 @@ from dock_gateway.extensions.missions.tools import TOOLS
 from dock_gateway.goals.known_robots import KnownRobots
 from dock_gateway.graph.publishing import FoundTopic, Publishing
 from dock_gateway.graph.service_calls import FoundService, ServiceCalls
+from dock_gateway.stop.last_stops import LastStop, LastStops
 from dock_gateway.storage.shared_entries import SharedBook
 from tests.support.history import HistoryInMemory
 from tests.support.robot_actions import make_known_robots

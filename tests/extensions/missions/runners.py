@@ -13,7 +13,6 @@ from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.share import EVERYTHING
 from dock_gateway.extensions.missions.book import MissionBook
 from dock_gateway.extensions.missions.facts import FactsReader
-from dock_gateway.extensions.missions.last_stops import LastStop, LastStops
 from dock_gateway.extensions.missions.mission import MissionEntry
 from dock_gateway.extensions.missions.notices import Notices
 from dock_gateway.extensions.missions.places.place import PlaceEntry
@@ -22,6 +21,7 @@ from dock_gateway.extensions.missions.runner import MissionRunner
 from dock_gateway.extensions.missions.step_entry import StepEntry
 from dock_gateway.extensions.missions.step_goals import StepGoals
 from dock_gateway.extensions.missions.turns import RobotFacts
+from dock_gateway.stop.last_stops import LastStop, LastStops
 from dock_gateway.storage.shared_entries import SharedBook
 from tests.extensions.missions.examples import NOON, queued
 from tests.support.entries import EntriesInMemory, SharedStore

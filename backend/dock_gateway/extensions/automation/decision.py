@@ -77,16 +77,6 @@ class DecisionEntry(DecisionFields):
     open: bool
 
 
-class HoldEntry(Schema):
-    """A stop after which rules do not dock a robot by themselves.
-
-    Attributes:
-        held_at: When it was stopped, or its stop was released.
-    """
-
-    held_at: datetime
-
-
 class WaitReason(StrEnum):
     """Why a rule does not dock a robot now."""
 

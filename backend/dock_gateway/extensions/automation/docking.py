@@ -3,11 +3,12 @@
 import logging
 import time
 import uuid
-from collections.abc import Callable, Coroutine
-from datetime import timedelta
+from collections.abc import Coroutine
+from datetime import datetime, timedelta
 
 from dock_gateway.core.errors import Conflict, DockOccupied, GatewayError, Unavailable, is_by_stop
 from dock_gateway.core.event import utc_now
+from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.extensions.automation.activity import Activity
 from dock_gateway.extensions.automation.decision import DecisionEntry, DecisionOutcome, WaitReason
@@ -17,6 +18,7 @@ from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.extensions.automation.rules import DockingRules
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
+from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.storage import History
 
 log = logging.getLogger(__name__)
@@ -41,7 +43,7 @@ class AutomaticDocking:
         actions: All actions.
         robot_actions: Which of them dock each robot.
         history: Finds goals that were sent before a restart.
-        ask: Asks the mission of a robot to let it charge, below a charge (0 to 1).
+        robots: All robots, whose missions are asked to let them charge.
         interval: See `INTERVAL`.
         sync_every: See `SYNC_EVERY`.
     """
@@ -55,11 +57,11 @@ class AutomaticDocking:
         actions: ActionRegistry,
         robot_actions: RobotActions,
         history: History,
-        ask: Callable[[str, float], None] = lambda *_: None,
+        robots: RobotRegistry,
         interval: float = INTERVAL,
         sync_every: int = SYNC_EVERY,
     ) -> None:
-        self._ask = ask
+        self._robots = robots
         self._interval = interval
         self._sync_every = sync_every
         self._rules = rules
@@ -67,7 +69,7 @@ class AutomaticDocking:
         self._decisions = rules.decisions
         self._facts = facts
         self._activity = activity
-        self._holds = rules.holds
+        self._last_stops = rules.last_stops
         self._actions = actions
         self._robot_actions = robot_actions
         self._history = history
@@ -86,6 +88,20 @@ class AutomaticDocking:
         """Stop docking robots."""
         await self._tasks.close()
 
+    def on_end(self, goal: Goal) -> None:
+        """Continue the automatic docking of a robot whose goal has succeeded, unless a rule or a mission sent it."""
+        robot = self._robots.owner(goal.action_name)
+        if robot is None or goal.status is not GoalStatus.SUCCEEDED or goal.origin == "automation":
+            return
+        if self._rules.holds(robot.namespace):
+            self._tasks.spawn(self._allow(robot.namespace, goal.created_at))
+
+    async def _allow(self, robot: str, since: datetime) -> None:
+        try:
+            await self._last_stops.allow(robot, since)
+        except Unavailable as error:
+            log.warning("the automatic docking of %s waits until somebody continues it: %s", robot, error)
+
     # ------------------------------------------------------------------ checking
 
     async def _check(self) -> None:
@@ -103,7 +119,7 @@ class AutomaticDocking:
         self._rules.waits = verdict.waits
         self._activity.watch(verdict.watched)
         for robot, below in verdict.asked.items():
-            self._ask(robot, below)
+            self._robots.on_low_battery(robot, below)
         if not self._answers:
             self._rules.waits |= {
                 (each.rule_id, each.robot): WaitReason.HISTORY_UNAVAILABLE for each in verdict.decisions
@@ -132,7 +148,7 @@ class AutomaticDocking:
         """Read the rules of other gateways, and their decisions and holds if these may count."""
         answers = await self._book.sync()
         if answers and self._rules.any_on:
-            await self._holds.sync()
+            await self._last_stops.sync()
         if answers and (
             self._rules.any_on or self._checks == 0 or self._decisions.unsaved or self._decisions.given_up()
         ):
@@ -183,7 +199,7 @@ class AutomaticDocking:
         Raises:
             DockOccupied: Another robot has the dock, and the rule may wait for it.
         """
-        await self._holds.sync()
+        await self._last_stops.sync()
         if not await self._book.sync():
             return decision.model_copy(update={"outcome": DecisionOutcome.REFUSED, "code": "history_unavailable"})
         # No wait from here to the submission, which notices every stop that comes later.

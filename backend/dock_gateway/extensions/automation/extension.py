@@ -7,12 +7,11 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.tasks import closed_by
 from dock_gateway.extension import Extension
 from dock_gateway.extensions.automation.activity import Activity
-from dock_gateway.extensions.automation.decision import DecisionEntry, HoldEntry
+from dock_gateway.extensions.automation.decision import DecisionEntry
 from dock_gateway.extensions.automation.decisions import DecisionLog
 from dock_gateway.extensions.automation.docking import AutomaticDocking
 from dock_gateway.extensions.automation.error_codes import CODES
 from dock_gateway.extensions.automation.facts import FactReader
-from dock_gateway.extensions.automation.holds import Holds
 from dock_gateway.extensions.automation.routes import router
 from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.extensions.automation.rules import MAX_RULES, DockingRules
@@ -29,9 +28,10 @@ from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.on_demand import OnDemand
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.settings import Settings
+from dock_gateway.stop.last_stops import LastStop, LastStops
 from dock_gateway.stop.stopper import Stopper
 from dock_gateway.storage import History
-from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
+from dock_gateway.storage.shared_entries import SharedBook
 
 GAVE_UP = AlertKind("automatic_docking_failed")
 
@@ -48,23 +48,24 @@ async def open_automation(parts: Parts) -> AsyncIterator[DockingRules]:
         )
         decisions = DecisionLog(parts[Fanout], history.documents("decision", DecisionEntry))
         stack.enter_context(parts[AlertBoard].sources.adding(lambda: gave_up(decisions, robots.namespaces())))
-        holds = Holds(robots, SharedEntries(history.documents("hold", HoldEntry)))
+        last_stops = LastStops(history.documents("hold", LastStop))
         book = SharedBook(history.documents("rule", RuleEntry), "rule", MAX_RULES)
-        rules = DockingRules(fleet, book, decisions, holds)
-        for on_end in (activity.on_end, holds.on_end):
-            stack.enter_context(actions.on_end.adding(on_end))
+        rules = DockingRules(fleet, book, decisions, last_stops)
         for on_stop in (activity.active, rules.on_stop):
             stack.enter_context(parts[Stopper].on_stop.adding(on_stop))
-            stack.enter_context(parts[Interlock].on_release.adding(on_stop))
+        for on_release in (activity.active, rules.on_release):
+            stack.enter_context(parts[Interlock].on_release.adding(on_release))
         docking = AutomaticDocking(
             rules,
-            FactReader(fleet, activity, lambda: graph_watch.shared, robots.is_at_work, holds.has),
+            FactReader(fleet, activity, lambda: graph_watch.shared, robots.is_at_work, rules.holds),
             activity,
             actions=actions,
             robot_actions=parts[RobotActions],
             history=history,
-            ask=robots.on_low_battery,
+            robots=robots,
         )
+        for on_end in (activity.on_end, docking.on_end):
+            stack.enter_context(actions.on_end.adding(on_end))
         closed_by(stack, docking).start()
         yield rules
 

@@ -111,12 +111,14 @@ async def list_decisions(
 @operation(Role.VIEWER, Scope.LISTED)
 async def list_holds(rules: Part[DockingRules], grant: TheGrant) -> Answer[HoldList]:
     """List the robots that were stopped while a rule was on: their automatic docking waits until it is continued."""
-    return json_response({"holds": [hold for hold in rules.holds.documents() if grant.covers_robot(hold["robot"])]})
+    stops = rules.last_stops.all_at().items()
+    holds = [{"robot": robot, "held_at": at} for robot, at in stops if grant.covers_robot(robot)]
+    return json_response({"holds": holds})
 
 
 @router.delete("/holds", status_code=204)
 @operation(Role.SUPERVISOR, Scope.ROBOT, errors=(404,))
 async def end_hold(rules: Part[DockingRules], robots: Part[RobotRegistry], robot: RobotQuery = None) -> Response:
     """Continue the automatic docking of a robot that was stopped; also if it does not wait. Release the stop first."""
-    await rules.holds.end(robots.find(robot))
+    await rules.last_stops.allow(robots.find(robot))
     return Response(status_code=204)

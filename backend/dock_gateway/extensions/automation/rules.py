@@ -4,15 +4,16 @@ import logging
 from collections.abc import Collection, Iterable
 from typing import Any
 
+from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.versions import UNCONDITIONAL, Condition
 from dock_gateway.extensions.automation.decision import RuleMode, WaitReason
 from dock_gateway.extensions.automation.decisions import DecisionLog
-from dock_gateway.extensions.automation.holds import Holds
 from dock_gateway.extensions.automation.past import Key
 from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.fleet.fleet import Fleet
 from dock_gateway.fleet.robot_state import RobotState
+from dock_gateway.stop.last_stops import LastStops
 from dock_gateway.storage.shared_entries import SharedBook
 
 log = logging.getLogger(__name__)
@@ -27,17 +28,19 @@ class DockingRules:
         fleet: The state of the robots.
         book: Stores the rules.
         decisions: The decisions.
-        holds: The robots that were stopped.
+        last_stops: The robots that were stopped while a rule was on, and that nobody has continued since.
 
     Attributes:
         waits: Why rules do not dock robots now; `AutomaticDocking` sets it.
     """
 
-    def __init__(self, fleet: Fleet, book: SharedBook[RuleEntry], decisions: DecisionLog, holds: Holds) -> None:
+    def __init__(
+        self, fleet: Fleet, book: SharedBook[RuleEntry], decisions: DecisionLog, last_stops: LastStops
+    ) -> None:
         self._fleet = fleet
         self.book = book
         self.decisions = decisions
-        self.holds = holds
+        self.last_stops = last_stops
         self.waits: dict[Key, WaitReason] = {}
 
     @property
@@ -46,9 +49,18 @@ class DockingRules:
         return any(rule.mode is not RuleMode.OFF for rule in self.book.all().values())
 
     def on_stop(self, robot: str) -> None:
-        """Hold a robot that is stopped, or whose stop is released, if there is a rule that could dock it."""
+        """Hold a robot that is stopped, if there is a rule that could dock it."""
         if self.any_on:
-            self.holds.hold(robot)
+            self.last_stops.note(robot, utc_now())
+
+    def on_release(self, robot: str) -> None:
+        """Hold a robot whose stop is released, as `on_stop`: a release does not make it move."""
+        if self.any_on:
+            self.last_stops.note_release(robot, utc_now())
+
+    def holds(self, robot: str) -> bool:
+        """Return whether no rule docks a robot because it was stopped."""
+        return self.last_stops.at(robot) is not None
 
     async def documents(self, grant: Grant = UNLIMITED) -> list[dict[str, Any]]:
         """Return the rules as `GET /automation/rules` shows them, by name.

@@ -5,7 +5,7 @@ from typing import Literal
 
 from pydantic import ConfigDict
 
-from dock_gateway.extensions.automation.decision import DecisionFields, HoldEntry, WaitReason
+from dock_gateway.extensions.automation.decision import DecisionFields, WaitReason
 from dock_gateway.extensions.automation.rule import RuleEntry
 from dock_gateway.http.resource import Versioned
 from dock_gateway.http.schema import Identified, Schema
@@ -71,9 +71,13 @@ class DecisionList(Schema):
     next_cursor: str | None
 
 
-class Hold(HoldEntry):
-    """A robot that was stopped: its automatic docking waits until a person continues it."""
+class Hold(Schema):
+    """A robot that was stopped: its automatic docking waits until a person continues it.
 
+    `held_at` is when it was stopped, or its stop was released.
+    """
+
+    held_at: datetime
     robot: str
 
 

@@ -12,7 +12,6 @@ from dock_gateway.extensions.missions.book import MissionBook
 from dock_gateway.extensions.missions.candidates import Candidates
 from dock_gateway.extensions.missions.error_codes import CODES
 from dock_gateway.extensions.missions.facts import FactsReader
-from dock_gateway.extensions.missions.last_stops import LastStop, LastStops
 from dock_gateway.extensions.missions.messages import Messages
 from dock_gateway.extensions.missions.mission import MissionEntry
 from dock_gateway.extensions.missions.missions import Missions
@@ -46,6 +45,7 @@ from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.robots.robots import RobotLabels
 from dock_gateway.settings import Settings
+from dock_gateway.stop.last_stops import LastStop, LastStops
 from dock_gateway.stop.stopper import Stopper
 from dock_gateway.storage import History
 from dock_gateway.storage.shared_entries import SharedBook

@@ -5,7 +5,6 @@ from collections.abc import Callable
 from dock_gateway.core.battery import BatteryReading, PowerSupply
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.goal import Goal
-from dock_gateway.extensions.missions.last_stops import LastStops
 from dock_gateway.extensions.missions.mission import MissionEntry
 from dock_gateway.extensions.missions.moves import Facts
 from dock_gateway.extensions.missions.places.places import Places
@@ -15,6 +14,7 @@ from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.stop.last_stops import LastStops
 from dock_gateway.storage import History
 
 
@@ -64,7 +64,7 @@ class FactsReader:
         battery = self._battery(robot)
         others = (each for each in self._actions.running() if each.goal_id != step.goal_id)
         return Facts(
-            stopped=self._last_stops.holds(robot, mission),
+            stopped=self._last_stops.any_since(robot, mission.allowed_since),
             latched=self._interlock.holds(robot),
             other_goal=any(self._is_of(robot, each.action_name) for each in others),
             battery=battery.percentage,

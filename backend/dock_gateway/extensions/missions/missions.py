@@ -12,7 +12,6 @@ from dock_gateway.core.versions import Condition
 from dock_gateway.extensions.missions import progress
 from dock_gateway.extensions.missions.actions import action_of, actions_of, covers, read_goal, robots_of
 from dock_gateway.extensions.missions.book import MissionBook
-from dock_gateway.extensions.missions.last_stops import LastStops
 from dock_gateway.extensions.missions.messages import Messages
 from dock_gateway.extensions.missions.mission import HoldReason, MissionEntry, MissionStatus
 from dock_gateway.extensions.missions.moving import move
@@ -27,6 +26,7 @@ from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.stop.last_stops import LastStops
 
 
 class Missions:

@@ -16,7 +16,6 @@ from dock_gateway.extensions.missions import progress
 from dock_gateway.extensions.missions.battery import LEAST_CHARGE, BatteryLimits
 from dock_gateway.extensions.missions.book import MissionBook
 from dock_gateway.extensions.missions.facts import FactsReader, key_of_try
-from dock_gateway.extensions.missions.last_stops import LastStops
 from dock_gateway.extensions.missions.messages import Messages
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
 from dock_gateway.extensions.missions.moves import Cancel, Change, Facts, Send, Sent, Wait, WaitsFor
@@ -25,6 +24,7 @@ from dock_gateway.extensions.missions.step_entry import Reason
 from dock_gateway.extensions.missions.step_goals import StepGoals
 from dock_gateway.extensions.missions.turns import NO_ROBOTS, RobotFacts, find_turns
 from dock_gateway.latch.interlock import Interlock
+from dock_gateway.stop.last_stops import LastStops
 from dock_gateway.storage.shared_entries import SYNC_INTERVAL
 
 log = logging.getLogger(__name__)
@@ -193,7 +193,7 @@ class MissionRunner:
         """
         if mission.status is MissionStatus.QUEUED:
             started = progress.start(mission, self._clock(), robot)
-            if self._last_stops.holds(robot, mission):
+            if self._last_stops.any_since(robot, mission.allowed_since):
                 started = progress.stop(started)
             return None if await self._change(robot, mission_id, mission, started) else Wait(WaitsFor.TURN)
         facts = await self._facts(mission_id, mission)
@@ -225,7 +225,7 @@ class MissionRunner:
             Unavailable: The history does not answer.
         """
         moves = after.status is MissionStatus.RUNNING
-        none_since = self._last_stops.none_since(robot, after) if moves else None
+        none_since = self._last_stops.none_since(robot, after.allowed_since) if moves else None
         changed = await self.book.change(mission_id, before, after, dependency=none_since)
         if moves and not changed:
             await self._last_stops.read()

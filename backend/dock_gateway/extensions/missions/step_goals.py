@@ -11,7 +11,6 @@ from dock_gateway.extensions.missions import progress, waiting
 from dock_gateway.extensions.missions.actions import action_of, read_goal
 from dock_gateway.extensions.missions.book import MissionBook
 from dock_gateway.extensions.missions.facts import key_of_try
-from dock_gateway.extensions.missions.last_stops import LastStops
 from dock_gateway.extensions.missions.mission import MissionEntry
 from dock_gateway.extensions.missions.moves import Facts, Wait, WaitsFor
 from dock_gateway.extensions.missions.step_entry import Reason
@@ -20,6 +19,7 @@ from dock_gateway.goals.action import Action
 from dock_gateway.goals.docks import Docks
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
+from dock_gateway.stop.last_stops import LastStops
 
 log = logging.getLogger(__name__)
 
@@ -99,7 +99,7 @@ class StepGoals:
         if step.verb is not None:
             await self._docks.require(action, step.request)
         stored = (await self._book.read()).get(mission_id)
-        held = self._last_stops.holds(mission.its_robot, mission)
+        held = self._last_stops.any_since(mission.its_robot, mission.allowed_since)
         if stored is None or stored.revision != mission.revision or held:
             return None  # such as one that another gateway holds for a stop
         # No wait from here to the submission, which notices every stop that comes later.

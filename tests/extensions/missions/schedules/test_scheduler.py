@@ -13,13 +13,13 @@ from dock_gateway.core.fanout import Fanout
 from dock_gateway.core.grant import Grant
 from dock_gateway.core.share import EVERYTHING
 from dock_gateway.extensions.missions.book import MissionBook
-from dock_gateway.extensions.missions.last_stops import LastStop, LastStops
 from dock_gateway.extensions.missions.mission import HoldReason, MissionEntry, MissionStatus
 from dock_gateway.extensions.missions.schedules.schedule import ScheduleEntry
 from dock_gateway.extensions.missions.schedules.scheduler import Scheduler
 from dock_gateway.extensions.missions.schedules.schedules import BY_THEMSELVES, Schedules
 from dock_gateway.extensions.missions.schema import MissionContent
 from dock_gateway.extensions.missions.turns import RobotFacts, find_turns
+from dock_gateway.stop.last_stops import LastStop, LastStops
 from dock_gateway.storage.shared_entries import SharedBook
 from tests.extensions.missions.examples import NOON
 from tests.extensions.missions.schedules.examples import body

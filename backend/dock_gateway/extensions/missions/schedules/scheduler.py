@@ -11,12 +11,12 @@ from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import UNLIMITED
 from dock_gateway.core.share import Share
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.extensions.missions.last_stops import LastStops
 from dock_gateway.extensions.missions.mission import HoldReason, MissionStatus
 from dock_gateway.extensions.missions.missions import Missions
 from dock_gateway.extensions.missions.schedules.rule import Run, Skip, decide
 from dock_gateway.extensions.missions.schedules.schedule import ScheduleEntry, ScheduleOutcome
 from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.stop.last_stops import LastStops
 from dock_gateway.storage.shared_entries import SYNC_INTERVAL, SharedBook
 
 log = logging.getLogger(__name__)

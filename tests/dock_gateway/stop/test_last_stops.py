@@ -1,15 +1,15 @@
 """No stop is forgotten, whichever of two gateways hears of it, and whoever releases it."""
 
 import asyncio
-from datetime import datetime
+from datetime import UTC, datetime, timedelta
 
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.extensions.missions.last_stops import LastStop, LastStops
-from tests.extensions.missions.examples import DOCK, NOON, after, queued
+from dock_gateway.stop.last_stops import LastStop, LastStops
 from tests.support.entries import SharedStore
 
+NOON = datetime(2026, 11, 30, 12, tzinfo=UTC)
 DOINGS = ("stop", "release", "sync", "continue")
 
 
@@ -19,7 +19,7 @@ class TwoGateways:
     def __init__(self) -> None:
         store = SharedStore[LastStop]()
         self.gateways = LastStops(store), LastStops(store)
-        self.mission = queued(DOCK).model_copy(update={"allowed_at": NOON})
+        self.allowed_at = NOON
         self.stopped_at: datetime | None = None
         """When the robot was last stopped since somebody said *continue*."""
         self.heard_at: datetime | None = None
@@ -37,7 +37,7 @@ class TwoGateways:
                 await gateway.sync()
             case "continue":
                 await gateway.allow("/", now)
-                self.mission = self.mission.model_copy(update={"allowed_at": now})
+                self.allowed_at = now
                 self.stopped_at = self.heard_at = None
 
     async def agree(self) -> None:
@@ -50,10 +50,11 @@ def test_what_came_after_continue_is_known_to_both_gateways(doings: list[tuple[s
     async def run() -> None:
         two = TwoGateways()
         for second, (doing, index) in enumerate(doings, 1):
-            await two.do(doing, two.gateways[index], after(second))
+            await two.do(doing, two.gateways[index], NOON + timedelta(seconds=second))
         await two.agree()
         for gateway in two.gateways:
-            assert gateway.holds("/", two.mission) == (two.stopped_at is not None)
+            assert gateway.any_since("/", two.allowed_at) == (two.stopped_at is not None)
             assert two.heard_at in (None, gateway.at("/"))
+            assert gateway.all_at().get("/") == gateway.at("/")
 
     asyncio.run(run())

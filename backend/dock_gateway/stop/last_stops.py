@@ -1,4 +1,4 @@
-"""When robots were last stopped: no mission begins, or goes on, that nobody has let do so since."""
+"""When robots were last stopped: what drives them by itself waits until a person lets it go on (ISO 3691-4)."""
 
 from collections.abc import Mapping
 from contextlib import suppress
@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from datetime import datetime
 
 from dock_gateway.core.errors import Conflict
-from dock_gateway.extensions.missions.mission import MissionEntry
 from dock_gateway.storage.entries import Dependency
 from dock_gateway.storage.shared_entries import SharedEntries
 
@@ -36,14 +35,14 @@ class LastStops(SharedEntries[LastStop]):
         """Note that a stop is released, as `note`: beside the stop, so that it replaces none of another gateway."""
         self.put(_release_of(robot), LastStop(now))
 
-    async def allow(self, robot: str, since: datetime) -> None:
-        """Let a robot go on, unless it was stopped again since a time.
+    async def allow(self, robot: str, since: datetime | None = None) -> None:
+        """Let a robot go on, unless it was stopped again since a time, or just now at another gateway.
 
         Raises:
             Unavailable: The history does not answer (`history_unavailable`).
         """
         await self.read()
-        if (stopped_at := self.at(robot)) is None or stopped_at > since:
+        if (stopped_at := self.at(robot)) is None or (since is not None and stopped_at > since):
             return
         for key in (robot, _release_of(robot)):
             with suppress(Conflict):
@@ -70,26 +69,32 @@ class LastStops(SharedEntries[LastStop]):
         noted = (self.get(robot), self.get(_release_of(robot)))
         return max((each.at for each in noted if each is not None), default=None)
 
-    def holds(self, robot: str, mission: MissionEntry) -> bool:
-        """Return whether a robot was stopped since somebody last let a mission begin or go on."""
-        return _is_since(self.get(robot), mission)
+    def all_at(self) -> dict[str, datetime]:
+        """Return when each robot was last stopped or released that nobody has let go on since, by name."""
+        robots = {key.removesuffix(_RELEASED) for key in self.keys()}
+        return {robot: at for robot in sorted(robots) if (at := self.at(robot)) is not None}
 
-    def none_since(self, robot: str, mission: MissionEntry) -> Dependency:
-        """Return the check that the stored stops have none of a robot for which a mission has to be held.
+    def any_since(self, robot: str, time: datetime) -> bool:
+        """Return whether a robot was stopped after a time, and nobody has let it go on."""
+        return _is_since(self.get(robot), time)
 
-        It raises Conflict.
-        """
+    def none_since(self, robot: str, time: datetime) -> Dependency:
+        """Return the check that the stored stops have none of a robot after a time. It raises Conflict."""
 
         def check(stored: Mapping[str, LastStop]) -> None:
-            if _is_since(stored.get(robot), mission):
+            if _is_since(stored.get(robot), time):
                 raise Conflict(f"{robot} was stopped")
 
         return self.dependency(check)
 
 
-def _is_since(stop: LastStop | None, mission: MissionEntry) -> bool:
-    return stop is not None and stop.at > mission.allowed_since
+def _is_since(stop: LastStop | None, time: datetime) -> bool:
+    return stop is not None and stop.at > time
+
+
+# Names of robots have no space.
+_RELEASED = " released"
 
 
 def _release_of(robot: str) -> str:
-    return f"{robot} released"
+    return robot + _RELEASED
