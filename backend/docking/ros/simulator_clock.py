@@ -26,7 +26,8 @@ class SimulatorClock:
     """Says how much time passes at each step, and stamps messages.
 
     A clock of its own begins with real time. It passes more slowly where the machine does not keep up, and is set to
-    real time again while nothing drives the robot.
+    real time again once the machine does and nothing drives the robot: a server that has just got a goal has no less
+    time to find its dock.
     """
 
     def __init__(self, node: Node, now: float, *, publishes: bool) -> None:
@@ -66,7 +67,8 @@ class SimulatorClock:
             return lapse
         self._idle_for = 0.0 if driven else self._idle_for + lapse
         idle = self._idle_for > IDLE_AFTER
-        self._nanoseconds += round(1e9 * (lapse + (self._keeper.catch_up() if idle else 0.0)))
+        caught_up = self._keeper.catch_up() if idle and self._keeper.keeps_up else 0.0
+        self._nanoseconds += round(1e9 * (lapse + caught_up))
         if now - self._published_at >= (IDLE_PERIOD if idle else 0.0):
             self._published_at = now
             self._publisher.publish(Clock(clock=self.stamp()))

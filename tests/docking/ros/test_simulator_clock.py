@@ -66,3 +66,13 @@ def test_once_nothing_drives_the_robot_it_is_real_time_again() -> None:
     robot.pass_by(0.05, driven=False)
     assert robot.seconds == pytest.approx(robot.real, abs=0.01)
     assert robot.said == sorted(robot.said)
+
+
+def test_a_machine_that_is_too_slow_does_not_get_back_to_real_time_before_it_keeps_up() -> None:
+    robot = Driven()
+    for _ in range(100):
+        robot.pass_by(0.5, driven=False)
+    assert robot.real - robot.seconds > 40.0, "all but what it takes to notice it"
+    for _ in range(100):
+        robot.pass_by(0.05, driven=False)
+    assert robot.seconds == pytest.approx(robot.real, abs=0.01)
