@@ -4,7 +4,7 @@ import type { ComponentType } from "react";
 import { afterEach, beforeEach, vi } from "vitest";
 import { ANYBODY, session } from "../src/api/session";
 import { ALL_ROBOTS } from "../src/fleet/robotChoice";
-import { setPreferences } from "../src/notifications/announce";
+import { setPreferences } from "../src/notifications/preferences";
 import { setZone } from "../src/ui/zone";
 import { streams } from "./streams";
 

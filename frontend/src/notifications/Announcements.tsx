@@ -1,87 +1,17 @@
-import type { Alert } from "@dock-gateway/client";
-import { useEffect, useRef } from "react";
-import { useNavigate } from "react-router";
-import { together } from "../alerts/order";
-import { detailOf, robotsOf, shortened } from "../alerts/words";
-import { siteKey } from "../api/site";
-import { useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
-import type { Naming } from "../fleet/names";
-import { robotPath } from "../fleet/names";
-import { isCovered } from "../fleet/robotChoice";
-import { type Announcement, notify, type Preferences, playSound, usePreferences } from "./announce";
+import { Suspense } from "react";
+import { lazyPart } from "../ui/lazyPart";
+import { usePreferences } from "./preferences";
 
-/** The tab that announces alerts holds it, so that several tabs make one sound. */
-const LOCK = siteKey("dock-gateway-announcer");
+const Announcer = lazyPart(() => import("./Announcer"));
 
-/** So many robots of one alert are named: a notification is narrow. */
-const NAMES = 3;
-
-/** Announces each alert that begins while the page is open, as this browser is set to. */
-export function Announcements(): null {
-  const chosen = usePreferences();
-  const { desktop, sound } = chosen;
-  const leads = useLeadership(desktop || sound);
-  const live = useFleetLive();
-  const alerts = useFleetTopic("alerts");
-  const naming = useNaming();
-  const navigate = useNavigate();
-  const known = useRef<ReadonlySet<string> | null>(null);
-  useEffect(() => {
-    if (!live) return;
-    const before = known.current;
-    known.current = new Set(alerts.map(({ id }) => id));
-    if (before === null || !leads.current) return; // those of before are on the page
-    const wanted = together(alerts.filter((alert) => isWanted(alert, chosen, naming)));
-    const fresh = wanted.filter((each) => each.some(({ id }) => !before.has(id)));
-    if (desktop) for (const each of fresh) notify(announcement(each, naming, (path) => void navigate(path)));
-    if (sound && fresh.length > 0) void playSound(fresh.some(([first]) => first?.severity === "critical"));
-  }, [live, alerts, chosen, desktop, sound, naming, navigate, leads]);
-  return null;
-}
-
-/** What is said of alerts that are shown as one: of a stop of several robots once, also if it comes in parts. */
-function announcement(alerts: readonly Alert[], naming: Naming, go: (path: string) => void): Announcement {
-  const [first] = alerts;
-  const robots = robotsOf(alerts, naming);
-  const names = shortened(
-    robots.map((name) => naming.nameOf(name)),
-    NAMES,
+/** On every page, for a browser that is to announce alerts. */
+export function Announcements() {
+  const { desktop, sound } = usePreferences();
+  return (
+    (desktop || sound) && (
+      <Suspense>
+        <Announcer />
+      </Suspense>
+    )
   );
-  return {
-    tag: siteKey(first?.id ?? ""),
-    title: names === "" ? (first?.title ?? "") : `${names}: ${first?.title}`,
-    body: detailOf(alerts),
-    critical: first?.severity === "critical",
-    onPress: () => go(robots.length === 1 ? robotPath(robots[0] ?? "") : "/"),
-  };
-}
-
-/** Whether an alert is to be announced; one of the gateway itself concerns everybody. */
-export function isWanted(alert: Alert, chosen: Preferences, naming: Naming): boolean {
-  if (alert.acknowledged !== null || (alert.severity === "warning" && !chosen.warnings)) return false;
-  return alert.robot === null || isCovered(chosen.robots, alert.robot, naming.groupsOf(alert.robot));
-}
-
-/** Whether this tab is the one that announces; without locks, which need HTTPS, each tab is. */
-function useLeadership(wanted: boolean) {
-  const leads = useRef(false);
-  useEffect(() => {
-    if (!wanted) return;
-    if (navigator.locks === undefined) {
-      leads.current = true;
-      return;
-    }
-    const leaving = new AbortController();
-    const left = new Promise<void>((resolve) => leaving.signal.addEventListener("abort", () => resolve()));
-    const hold = () => {
-      leads.current = true;
-      return left;
-    };
-    navigator.locks.request(LOCK, { signal: leaving.signal }, hold).catch(() => {});
-    return () => {
-      leads.current = false;
-      leaving.abort();
-    };
-  }, [wanted]);
-  return leads;
 }

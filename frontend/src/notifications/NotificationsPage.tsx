@@ -4,14 +4,8 @@ import { Parts } from "../extension/context";
 import { RobotFields } from "../fleet/RobotFields";
 import { choiceError } from "../fleet/robotChoice";
 import { PageTitle, Section } from "../ui/Section";
-import {
-  allowNotifications,
-  notify,
-  playSound,
-  setPreferences,
-  usePreferences,
-  whyNoNotifications,
-} from "./announce";
+import { allowNotifications, notify, playSound, whyNoNotifications } from "./announce";
+import { setPreferences, usePreferences } from "./preferences";
 import { SEVERITY_OPTIONS } from "./severities";
 
 /** Who receives alerts, and how. */

@@ -44,7 +44,9 @@ export function SceneCard() {
 
   return (
     <Section title="Map" aside={<FreshnessBadge freshness={freshness} />}>
-      <Parts at="placing" onPlacing={setPlacing} quiet />
+      <div className={classes.over}>
+        <Parts at="placing" onPlacing={setPlacing} quiet />
+      </div>
       {!known ? (
         <NoScene live={freshness !== "offline"} simulated={placing !== null} />
       ) : (

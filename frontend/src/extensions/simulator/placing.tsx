@@ -20,7 +20,7 @@ export function SimulatedPlacing({ onPlacing }: Places["placing"]) {
     simulator?.too_slow === true ? simulator.real_time_factor : null,
   );
   return speed === null ? null : (
-    <Text size="sm" role="status" mb="xs">
+    <Text size="sm" role="status" p="xs" bg="body">
       The machine is too slow for the simulation, whose time runs at {speed.toFixed(2)} of real time:
       everything takes longer.
     </Text>
