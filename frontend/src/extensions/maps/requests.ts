@@ -19,9 +19,10 @@ export interface MapColors {
   unknown: string;
 }
 
+/** Walls are quieter than robots and docks. */
 export const MAP_COLORS: Record<"light" | "dark", MapColors> = {
-  light: { free: "ffffff00", occupied: "495057", unknown: "dee2e6a6" },
-  dark: { free: "24242400", occupied: "adb5bd", unknown: "101113a6" },
+  light: { free: "ffffff00", occupied: "868e96", unknown: "dee2e6a6" },
+  dark: { free: "24242400", occupied: "6c757d", unknown: "101113a6" },
 };
 
 /**
