@@ -238,8 +238,8 @@ PAGES_OF_EXTENSIONS = {
 }
 
 
-@pytest.mark.parametrize("width", [320, 390])
-def test_on_a_phone_the_pages_are_in_a_menu_and_none_scrolls_sideways(page: Page, width: int) -> None:
+@pytest.mark.parametrize("width", [320, 390, 600])
+def test_where_it_is_narrow_the_pages_are_in_a_menu_and_none_scrolls_sideways(page: Page, width: int) -> None:
     page.set_viewport_size({"width": width, "height": 800})
     pages = page.get_by_role("navigation", name="Pages")
     menu = pages.get_by_role("button", name="Pages")
@@ -262,8 +262,10 @@ def test_on_a_phone_the_pages_are_in_a_menu_and_none_scrolls_sideways(page: Page
         expect(page.get_by_role("heading", level=1, name=name)).to_be_attached()
         expect(page.locator("main .mantine-Skeleton-root:visible")).to_have_count(0)
         expect_no_sideways_scrolling(page, name)
+    page.set_viewport_size({"width": width, "height": 320})
     menu.click()
-    expect(pages.get_by_role("link", name="Goals")).to_be_visible()
+    pages.get_by_role("link", name="Notifications").scroll_into_view_if_needed()
+    expect(pages.get_by_role("link", name="Notifications")).to_be_in_viewport(ratio=1)
     page.keyboard.press("Escape")
     expect(menu).to_have_attribute("aria-expanded", "false")
     row(page, ROBOTS[0]).get_by_role("link", name=ROBOTS[0]).click()
@@ -273,7 +275,7 @@ def test_on_a_phone_the_pages_are_in_a_menu_and_none_scrolls_sideways(page: Page
         expect_no_sideways_scrolling(page, tab)
 
 
-@pytest.mark.parametrize("width", [320, 390, 820, 1024, 1920])
+@pytest.mark.parametrize("width", [320, 390, 600, 820, 1024, 1920])
 def test_a_width(page: Page, width: int) -> None:
     page.set_viewport_size({"width": width, "height": 900})
     expect(row(page, "/robot2")).to_contain_text("81 %")

@@ -79,7 +79,7 @@ function ColorSchemeSwitch() {
   );
 }
 
-/** A bell; on a phone the page is in the menu. */
+/** A bell; where it is narrow the page is in the menu. */
 function NotificationsLink() {
   return (
     <ActionIcon

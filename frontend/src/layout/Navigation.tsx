@@ -7,14 +7,14 @@ import { useMenu } from "../pages/pages";
 import { Tool } from "../ui/Tool";
 import classes from "./layout.module.css";
 
-/** The width of a phone; layout.module.css has the same. */
-const PHONE = "(max-width: 30em)";
+/** Where there is no room for all pages in a row; layout.module.css has the same. */
+const NARROW = "(max-width: 47.9em)";
 
-/** The way to the pages: links in a row, on a phone in a list that a button opens. */
+/** The way to the pages: links in a row, or in a list that a button opens. */
 export function Navigation() {
   const menu = useMenu();
-  const phone = useMediaQuery(PHONE, false, { getInitialValueInEffect: false });
-  return phone ? (
+  const narrow = useMediaQuery(NARROW, false, { getInitialValueInEffect: false });
+  return narrow ? (
     <Menu />
   ) : (
     <nav aria-label="Pages" className={classes.navigation}>
