@@ -26,7 +26,7 @@ COUNT_WALLS = """(canvas) => {
     const {data} = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
     let count = 0;
     for (let at = 0; at < data.length; at += 4)
-        if (data[at] === 0x49 && data[at + 1] === 0x50 && data[at + 2] === 0x57) count += 1;
+        if (data[at] === 0x86 && data[at + 1] === 0x8e && data[at + 2] === 0x96) count += 1;
     return count;
 }"""
 
