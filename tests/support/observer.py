@@ -140,6 +140,7 @@ class Observer:
         if name not in self._services:
             self._services[name] = self.call(lambda: self.node.create_client(service_type, name))
             wait_until(self._services[name].service_is_ready, f"the service {name}")
+            time.sleep(0.3)  # until the server has found the client, too: else its answer may get lost
         return self.call(lambda: self._services[name].call_async(request))
 
     def request(self, service_type: type, name: str, request: Any, timeout: float = PATIENCE) -> Any:
