@@ -9,6 +9,9 @@ from dock_gateway.core.errors import Conflict
 from dock_gateway.storage.entries import Dependency
 from dock_gateway.storage.shared_entries import SharedEntries
 
+# What the key of a release ends with, after the name of its robot, which has no space.
+_RELEASED = " released"
+
 
 @dataclass(frozen=True)
 class LastStop:
@@ -22,7 +25,7 @@ class LastStop:
 
 
 class LastStops(SharedEntries[LastStop]):
-    """The last stop of each robot since when nobody has let it go on.
+    """The last stop of each robot that waits for a person.
 
     A released stop starts no robot, also after a restart or at another gateway.
     """
@@ -70,12 +73,12 @@ class LastStops(SharedEntries[LastStop]):
         return max((each.at for each in noted if each is not None), default=None)
 
     def all_at(self) -> dict[str, datetime]:
-        """Return when each robot was last stopped or released that nobody has let go on since, by name."""
+        """Return the robots that wait for a person, sorted by name, with the time of their last stop or release."""
         robots = {key.removesuffix(_RELEASED) for key in self.keys()}
         return {robot: at for robot in sorted(robots) if (at := self.at(robot)) is not None}
 
     def any_since(self, robot: str, time: datetime) -> bool:
-        """Return whether a robot was stopped after a time, and nobody has let it go on."""
+        """Return whether a robot was stopped after a time, and still waits for a person."""
         return _is_since(self.get(robot), time)
 
     def none_since(self, robot: str, time: datetime) -> Dependency:
@@ -90,10 +93,6 @@ class LastStops(SharedEntries[LastStop]):
 
 def _is_since(stop: LastStop | None, time: datetime) -> bool:
     return stop is not None and stop.at > time
-
-
-# Names of robots have no space.
-_RELEASED = " released"
 
 
 def _release_of(robot: str) -> str:

@@ -16,7 +16,7 @@ import { useCommand } from "../ui/requests";
 import { Time } from "../ui/Time";
 import classes from "./alerts.module.css";
 import { SeverityMark } from "./marks";
-import { alertsOf, openAlerts, together, urgentFirst } from "./order";
+import { alertsOf, openAlerts, type Together, together, urgentFirst } from "./order";
 import { detailOf, robotsOf } from "./words";
 
 /** The number of alerts that are shown at first. */
@@ -55,7 +55,7 @@ export const AlertList = memo(function AlertList({ quiet = false, group = null }
       {shown.length > 0 && (
         <ul className={classes.alerts}>
           {shown.map((alerts) => (
-            <AlertItem key={alerts[0]?.id} alerts={alerts} />
+            <AlertItem key={alerts[0].id} alerts={alerts} />
           ))}
         </ul>
       )}
@@ -81,23 +81,22 @@ function summary(open: number, acknowledged: number, group: string | null): stri
 }
 
 /** What is said of the alerts that the group filter hides. */
-function outsideWords(outside: readonly Alert[][]): string {
+function outsideWords(outside: readonly Together[]): string {
   const critical = outside.filter(
-    ([first]) => first?.acknowledged === null && first.severity === "critical",
+    ([first]) => first.acknowledged === null && first.severity === "critical",
   ).length;
   const hidden =
     outside.length === 1 ? "1 alert of another robot is" : `${outside.length} alerts of other robots are`;
   return `${hidden} hidden by the group filter${critical > 0 ? `, ${critical} critical` : ""}.`;
 }
 
-/** So many robots of one alert are named, and the rest are counted. */
+/** The most robots of one alert that are named; the others are counted. */
 const NAMES = 6;
 
 /** One alert, or what is one for several robots: what it is, what to do, and who has seen it. */
-function AlertItem({ alerts }: { alerts: readonly Alert[] }) {
+function AlertItem({ alerts }: { alerts: Together }) {
   const naming = useNaming();
   const [alert] = alerts;
-  if (alert === undefined) return null;
   const { robot, severity, title, started_at, goal_id, acknowledged } = alert;
   const robots = robotsOf(alerts, naming);
   const what =

@@ -17,15 +17,18 @@ export function openAlerts(alerts: readonly Alert[]): Alert[] {
   return alerts.filter((alert) => alert.acknowledged === null);
 }
 
+/** One alert, or several that are shown as one. */
+export type Together = readonly [Alert, ...Alert[]];
+
 /**
  * Alerts that are shown as one: a stop of several robots is one alert, unless some of it was acknowledged by others.
  *
  * @param sorted In the order in which they are shown.
  */
-export function together(sorted: readonly Alert[]): Alert[][] {
-  const shown: Alert[][] = [];
+export function together(sorted: readonly Alert[]): Together[] {
+  const shown: [Alert, ...Alert[]][] = [];
   for (const alert of sorted) {
-    const same = shown.find(([first]) => first !== undefined && isOneStop(first, alert));
+    const same = shown.find(([first]) => isOneStop(first, alert));
     if (same === undefined) shown.push([alert]);
     else same.push(alert);
   }

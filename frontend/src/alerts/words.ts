@@ -1,5 +1,6 @@
 import type { Alert } from "@dock-gateway/client";
 import type { Naming } from "../fleet/names";
+import type { Together } from "./order";
 
 /** What is said of a stop of several robots. */
 const STOPPED = "Goals are refused. Check that the area is clear, then release the stop.";
@@ -10,12 +11,6 @@ export function robotsOf(alerts: readonly Alert[], naming: Naming): string[] {
 }
 
 /** What to do about alerts that are shown as one. */
-export function detailOf(alerts: readonly Alert[]): string {
-  return alerts.length === 1 ? (alerts[0]?.detail ?? "") : STOPPED;
-}
-
-/** So many of the names, and how many more there are. */
-export function shortened(names: readonly string[], most: number): string {
-  const named = names.slice(0, most).join(", ");
-  return names.length > most ? `${named} and ${names.length - most} more` : named;
+export function detailOf(alerts: Together): string {
+  return alerts.length === 1 ? alerts[0].detail : STOPPED;
 }

@@ -51,6 +51,13 @@ export class Naming {
     return namespace === null ? this.nameOf(robot) : `${this.nameOf(robot)} (${namespace})`;
   }
 
+  /** `/robot1, /robot2 and 7 more`: no more than `most` names, and never "1 more". */
+  list(robots: readonly string[], most = 6): string {
+    const names = robots.map((robot) => this.nameOf(robot));
+    if (names.length <= most) return names.join(", ");
+    return `${names.slice(0, most - 1).join(", ")} and ${names.length - most + 1} more`;
+  }
+
   /** The robot of an action: the one with the longest namespace that contains it; null where none is known. */
   ownerOf(action: string): string | null {
     let namespace = action;

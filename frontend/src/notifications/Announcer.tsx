@@ -1,8 +1,8 @@
 import type { Alert } from "@dock-gateway/client";
 import { useEffect, useRef } from "react";
 import { useNavigate } from "react-router";
-import { together } from "../alerts/order";
-import { detailOf, robotsOf, shortened } from "../alerts/words";
+import { type Together, together } from "../alerts/order";
+import { detailOf, robotsOf } from "../alerts/words";
 import { siteKey } from "../api/site";
 import { useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
 import type { Naming } from "../fleet/names";
@@ -14,8 +14,8 @@ import { type Preferences, usePreferences } from "./preferences";
 /** The tab that announces alerts holds it, so that several tabs make one sound. */
 const LOCK = siteKey("dock-gateway-announcer");
 
-/** So many robots of one alert are named: a notification is narrow. */
-const NAMES = 3;
+/** The most robots that are named: a notification is narrow. */
+const NAMES = 4;
 
 /** Announces each alert that begins while it is there, as this browser is set to. */
 export default function Announcer(): null {
@@ -35,24 +35,20 @@ export default function Announcer(): null {
     const wanted = together(alerts.filter((alert) => isWanted(alert, chosen, naming)));
     const fresh = wanted.filter((each) => each.some(({ id }) => !before.has(id)));
     if (desktop) for (const each of fresh) notify(announcement(each, naming, (path) => void navigate(path)));
-    if (sound && fresh.length > 0) void playSound(fresh.some(([first]) => first?.severity === "critical"));
+    if (sound && fresh.length > 0) void playSound(fresh.some(([{ severity }]) => severity === "critical"));
   }, [live, alerts, chosen, desktop, sound, naming, navigate, leads]);
   return null;
 }
 
 /** What is said of alerts that are shown as one: of a stop of several robots once, also if it comes in parts. */
-function announcement(alerts: readonly Alert[], naming: Naming, go: (path: string) => void): Announcement {
-  const [first] = alerts;
+function announcement(alerts: Together, naming: Naming, go: (path: string) => void): Announcement {
+  const [{ id, title, severity }] = alerts;
   const robots = robotsOf(alerts, naming);
-  const names = shortened(
-    robots.map((name) => naming.nameOf(name)),
-    NAMES,
-  );
   return {
-    tag: siteKey(first?.id ?? ""),
-    title: names === "" ? (first?.title ?? "") : `${names}: ${first?.title}`,
+    tag: siteKey(id),
+    title: robots.length === 0 ? title : `${naming.list(robots, NAMES)}: ${title}`,
     body: detailOf(alerts),
-    critical: first?.severity === "critical",
+    critical: severity === "critical",
     onPress: () => go(robots.length === 1 ? robotPath(robots[0] ?? "") : "/"),
   };
 }

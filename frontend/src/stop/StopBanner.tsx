@@ -3,7 +3,6 @@ import { useDisclosure } from "@mantine/hooks";
 import { type ReactNode, useMemo, useState } from "react";
 import { releasesElsewhere } from "../api/places";
 import { useFleet, useFleetTopic, useNaming, useWhyNot } from "../fleet/context";
-import type { Naming } from "../fleet/names";
 import { Dialog, QuestionBar } from "../ui/Dialog";
 import { CommandErrorAlert } from "../ui/errors";
 import { ReasonButton } from "../ui/ReasonButton";
@@ -11,9 +10,6 @@ import { useCommand } from "../ui/requests";
 import { Time } from "../ui/Time";
 import { type HeldStop, heldStops, holdsAll, isOneStop } from "./held";
 import classes from "./stop.module.css";
-
-/** The number of names to show; further robots are counted. */
-const NAMES = 6;
 
 /** Says which stops hold, since when and by whom, and releases each. */
 export function StopBanner() {
@@ -36,8 +32,8 @@ export function StopBanner() {
       data-testid="stop-banner"
     >
       {held.length === 1 ? (
-        <Held stop={only} what={all ? "All robots" : listNames(only.holds, naming)} large>
-          {all && `${listNames(only.holds, naming)}: `}
+        <Held stop={only} what={all ? "All robots" : naming.list(only.holds)} large>
+          {all && `${naming.list(only.holds)}: `}
           Zero velocity was sent, goals are canceled, and none is sent until the stop is released.
         </Held>
       ) : (
@@ -75,8 +71,8 @@ function Several({ held, all }: { held: readonly HeldStop[]; all: boolean }) {
             {names.length} robots {one === undefined ? "are stopped" : <Since {...one} />}
           </Text>
           <Text size="sm">
-            {listNames(names, naming)}: Zero velocity was sent, goals are canceled, and none is sent to a
-            robot until its stop is released.
+            {naming.list(names)}: Zero velocity was sent, goals are canceled, and none is sent to a robot
+            until its stop is released.
           </Text>
         </div>
         <Release held={held} />
@@ -86,7 +82,7 @@ function Several({ held, all }: { held: readonly HeldStop[]; all: boolean }) {
         <ul className={classes.held}>
           {held.map((stop) => (
             <li key={stop.robot}>
-              <Held stop={stop} what={listNames(stop.holds, naming)} />
+              <Held stop={stop} what={naming.list(stop.holds)} />
             </li>
           ))}
         </ul>
@@ -204,11 +200,4 @@ export function Release({ held, small = false }: { held: readonly HeldStop[]; sm
       </Dialog>
     </>
   );
-}
-
-/** `/robot1, /robot2 and 7 more` */
-export function listNames(names: readonly string[], naming: Naming): string {
-  const shown = names.map((name) => naming.nameOf(name));
-  if (shown.length <= NAMES) return shown.join(", ");
-  return `${shown.slice(0, NAMES - 1).join(", ")} and ${shown.length - NAMES + 1} more`;
 }

@@ -402,7 +402,7 @@ async def test_an_old_decision_that_counts_is_kept(site: Site) -> None:
 
 
 def test_what_counts_as_activity(caplog: pytest.LogCaptureFixture) -> None:
-    robots = SimpleNamespace(owner=lambda _: SimpleNamespace(namespace=ROBOT), on_low_battery=lambda *_: None)
+    robots = SimpleNamespace(owner=lambda _: SimpleNamespace(namespace=ROBOT))
     activity = Activity(cast("RobotRegistry", robots))
     assert activity.still_since(ROBOT) is None
     changes: list[set[str]] = []

@@ -100,7 +100,7 @@ class AutomaticDocking:
         try:
             await self._last_stops.allow(robot, since)
         except Unavailable as error:
-            log.warning("the automatic docking of %s waits until somebody continues it: %s", robot, error)
+            log.warning("the automatic docking of %s stays on hold: %s", robot, error)
 
     # ------------------------------------------------------------------ checking
 

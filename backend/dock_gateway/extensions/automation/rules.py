@@ -28,7 +28,7 @@ class DockingRules:
         fleet: The state of the robots.
         book: Stores the rules.
         decisions: The decisions.
-        last_stops: The robots that were stopped while a rule was on, and that nobody has continued since.
+        last_stops: The robots that were stopped while a rule was on, and wait for a person.
 
     Attributes:
         waits: Why rules do not dock robots now; `AutomaticDocking` sets it.

@@ -6,7 +6,6 @@ import { useSession } from "../../api/session";
 import { useAtTime } from "../../clock/clock";
 import { useFleetTopic, useNaming } from "../../fleet/context";
 import { heldStops, holdsAll } from "../../stop/held";
-import { listNames } from "../../stop/StopBanner";
 import { Time } from "../../ui/Time";
 import { formatter } from "../../ui/time";
 import { useZone } from "../../ui/zone";
@@ -58,7 +57,7 @@ export function State() {
       )}
       {names.length > 0 && (
         <p className={classes.state} data-bad="stop">
-          {all ? "All robots" : listNames(names, naming)} stopped
+          {all ? "All robots" : naming.list(names)} stopped
           {by.size > 0 && ` by ${[...by].join(", ")}`}
         </p>
       )}

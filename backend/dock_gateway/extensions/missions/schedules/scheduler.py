@@ -134,7 +134,7 @@ class Scheduler:
     async def _allowed(self, schedule: ScheduleEntry) -> dict[str, Any]:
         """Return the fields of a mission that say whom a person has let begin it: who has stored the schedule.
 
-        It waits for a person if its robot was stopped since, and nobody has let that go on.
+        The mission is held if its robot was stopped since, and still waits for a person.
 
         Raises:
             Unavailable: The history does not answer.
