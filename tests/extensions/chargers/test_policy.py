@@ -149,6 +149,14 @@ def test_when_a_robot_has_left(more: dict[str, bool], free: bool) -> None:
     assert follow(again, seen(GoalState.RUNS, **more), after(5)).hold is not None, "it is on its way back"
 
 
+def test_a_robot_that_returns_to_a_dock_that_it_left_unseen_stands_there_since_it_returned() -> None:
+    """By which it is seen that it has left another dock at which it stood meanwhile."""
+    again = reserve(STANDING, "/robot1", "goal", after(60))
+    hold = follow(again, seen(GoalState.SUCCEEDED), after(90)).hold
+    assert hold is not None
+    assert hold.since_at == after(90)
+
+
 def test_a_dock_is_out_of_order_after_failures_in_a_row() -> None:
     record = FREE
     for number in range(1, 4):

@@ -50,7 +50,7 @@ class Pending:
     robot: str
     dock: str
     before: DockRecord
-    waits: dict[str, WaitEntry]
+    since: datetime  # it has read, or reserved the dock
     reserved: bool = False
     goal_id: str = ""
 
@@ -78,7 +78,7 @@ class World:
         ask = Ask(robot, docks)
         chosen, _ = choose(ask, DOCKS, self.records, self.waits, self.now, by_charge=self.by_charge)
         if chosen is not None:
-            self.asking.append(Pending(robot, chosen, self.records.get(chosen, FREE), dict(self.waits)))
+            self.asking.append(Pending(robot, chosen, self.records.get(chosen, FREE), self.now))
         elif waits:
             entry = waits_for(ask, DOCKS, self.waits, self.now)
             self.waits[robot] = entry.model_copy(update={"battery": self.random.random()})
@@ -92,7 +92,7 @@ class World:
             if self.records.get(pending.dock, FREE) != pending.before:
                 self.asking.remove(pending)
                 return
-            pending.goal_id, pending.reserved = f"g{len(self.goals)}", True
+            pending.goal_id, pending.reserved, pending.since = f"g{len(self.goals)}", True, self.now
             self.goals[pending.goal_id] = Goal(pending.robot, pending.dock)
             self.records[pending.dock] = reserve(pending.before, pending.robot, pending.goal_id, self.now)
             self.waits.pop(pending.robot, None)
@@ -166,8 +166,7 @@ class World:
     def wait(self, seconds: int) -> None:
         """What a gateway has begun to store is stored within a minute, or its gateway has ended."""
         self.now += timedelta(seconds=seconds)
-        if seconds >= SENT_WITHIN.total_seconds():
-            self.asking.clear()
+        self.asking = [pending for pending in self.asking if self.now - pending.since < SENT_WITHIN]
 
     def settle(self) -> None:
         """All gateways and goals come to their end, but for those of robots that died."""

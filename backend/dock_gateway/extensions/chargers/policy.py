@@ -205,7 +205,7 @@ def _follow_hold(hold: Hold, open_goals: tuple[str, ...], seen: Seen, now: datet
             return None
         standing = True
     changed: dict[str, object] = {"goal_ids": open_goals, "standing": standing}
-    if standing and not hold.standing:
+    if arrived or (standing and not hold.standing):
         changed |= {"since_at": now, "by": None}
     return hold.model_copy(update=changed)
 
