@@ -34,7 +34,7 @@ def simulated(domain: int, *robots: tuple[str, ...]) -> Iterator[RunningGateway]
 
 @contextmanager
 def fleet_of_up(domain: int) -> Iterator[RunningGateway]:
-    """A gateway and the robots of `dock-gateway up --count 3`."""
+    """A gateway and the robots of `dock-gateway up --robots 3`."""
     fleet = ("-m", "docking.nodes.simulated_fleet", "3")
     with ForkedProcess(*fleet, env=ros_environment(domain)), running_gateway(domain, namespace="/robot1") as gateway:
         wait_until(lambda: len(robots_of(gateway)) == len(CHARGES), "every robot", START_S)

@@ -98,21 +98,21 @@ def default_robot(settings: Settings, robots: int) -> str:
     "--no-sim", is_flag=True, help="No simulated robot: the tutorial's action server, and batteries published by hand."
 )
 @click.option(
-    "--count",
+    "--robots",
     type=click.IntRange(1, MAX_ROBOTS),
     help="Number of simulated robots, /robot1, /robot2, … in one hall, instead of one without a namespace.",
 )
 @click.option(
-    "--docks", type=click.IntRange(1, MAX_ROBOTS), help="Number of docks for --count robots; one for each by default."
+    "--docks", type=click.IntRange(1, MAX_ROBOTS), help="Number of docks for --robots; one for each by default."
 )
 @click.option(
     "--sites",
     type=click.IntRange(1, MAX_SITES),
-    help="Simulated sites, each with a gateway and --count of its own, behind one hub. Other options are the hub's.",
+    help="Simulated sites, each with a gateway and --robots of its own, behind one hub. Other options are the hub's.",
 )
 @click.option("-v", "--verbose", is_flag=True, help="Print every line of the log, not only warnings and errors.")
 @partial(settings_options, leave_out={"serve_robots"})
-def up(no_sim: bool, count: int | None, docks: int | None, sites: int | None, verbose: bool, **options: Any) -> None:
+def up(no_sim: bool, robots: int | None, docks: int | None, sites: int | None, verbose: bool, **options: Any) -> None:
     """Run the gateway, a docking server and a simulated robot together, until Ctrl-C ends them all.
 
     They meet only ROS nodes on this machine: trying it out must not move a robot that happens to be on the same
@@ -121,25 +121,25 @@ def up(no_sim: bool, count: int | None, docks: int | None, sites: int | None, ve
     settings = read_settings(options)
     if settings.port == 0:
         raise click.UsageError("port: `up` prints the address before the gateway runs, so the port must not be 0")
-    if docks is not None and docks > (count or 0):
-        raise click.UsageError("--docks is for the robots of --count, and there is one for each at most")
+    if docks is not None and docks > (robots or 0):
+        raise click.UsageError("--docks is for --robots, and there is one for each at most")
     if sites is not None:
         if no_sim:
             raise click.UsageError("--sites are simulated: leave out --no-sim")
         if settings.namespace.strip("/"):
             raise click.UsageError("namespace: the robots of --sites have no other names than their site gives them")
-        command = None if count is None else fleet(count, docks)
-        _up_with_sites(sites, command, count or 1, settings, options, verbose=verbose)
+        command = None if robots is None else fleet(robots, docks)
+        _up_with_sites(sites, command, robots or 1, settings, options, verbose=verbose)
         return
-    if count is not None:
+    if robots is not None:
         if no_sim:
-            raise click.UsageError("--count is of simulated robots: leave out --no-sim")
-        options["namespace"] = default_robot(settings, count)
+            raise click.UsageError("--robots are simulated: leave out --no-sim")
+        options["namespace"] = default_robot(settings, robots)
         settings = read_settings(options)
     check_start(settings, os.environ, docking=True)
     stay_on_this_machine(os.environ, always=not no_sim)
     programs = TUTORIAL if no_sim else SIMULATED
-    commands = robot_commands(programs, settings) if count is None else {"the fleet": fleet(count, docks)}
+    commands = robot_commands(programs, settings) if robots is None else {"the fleet": fleet(robots, docks)}
 
     gateway = [sys.executable, "-m", "dock_gateway", "serve", *arguments_of(options)]
     url = own_url(settings)
@@ -149,7 +149,7 @@ def up(no_sim: bool, count: int | None, docks: int | None, sites: int | None, ve
             url,
             output,
             readiness=ReadinessProbe(text=(TRY_TUTORIAL if no_sim else TRY_SIMULATED).format(url=url)),
-            end_timeout=END_TIMEOUT + 0.2 * (count or 0),
+            end_timeout=END_TIMEOUT + 0.2 * (robots or 0),
         )
         if not asyncio.run(running):
             raise click.ClickException(f"the gateway could not be started; see the messages above, and {output.path}")

@@ -123,13 +123,13 @@ def test_a_fleet_and_the_robot_that_is_meant_without_a_name() -> None:
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--count", "0"], "0 is not in the range"),
-        (["--count", "21"], "21 is not in the range"),
-        (["--count", "many"], "not a valid int"),
-        (["--count", "3", "--no-sim"], "leave out --no-sim"),
-        (["--docks", "2"], "--docks is for the robots of --count"),
-        (["--count", "2", "--docks", "3"], "one for each at most"),
-        (["--count", "3", "--namespace", "/robot4"], "/robot1 to /robot3, and /robot4 is none of them"),
+        (["--robots", "0"], "0 is not in the range"),
+        (["--robots", "21"], "21 is not in the range"),
+        (["--robots", "many"], "not a valid int"),
+        (["--robots", "3", "--no-sim"], "leave out --no-sim"),
+        (["--docks", "2"], "--docks is for --robots"),
+        (["--robots", "2", "--docks", "3"], "one for each at most"),
+        (["--robots", "3", "--namespace", "/robot4"], "/robot1 to /robot3, and /robot4 is none of them"),
     ],
 )
 def test_fleets_that_cannot_be(options: list[str], said: str) -> None:
