@@ -42,6 +42,8 @@ interface EntryFormProps<
   /** The request that stores it in place of an entry, or as a new one; `by` is null where no name is given. */
   bodyOf: (draft: Draft, by: string | null, replaced: Entry | null) => Body;
   save: UseMutationResult<Stored, ClientError, { id: string; body: Body; base: Base }>;
+  /** Marks what the gateway has refused where the draft has a place for it. */
+  refused?: (draft: Draft, error: ClientError) => Partial<Draft>;
   onSaved: (stored: Stored) => void;
   onCancel: () => void;
   /** The fields between its name and that of who saves it; errors are shown from the first try on. */
@@ -66,6 +68,7 @@ export function EntryForm<
   errorsOf,
   bodyOf,
   save,
+  refused = () => ({}),
   onSaved,
   onCancel,
   children,
@@ -87,7 +90,10 @@ export function EntryForm<
     const taken = entries.map(({ id }) => id);
     const body = bodyOf(draft, by.trim() || null, replaced);
     const id = entry?.id ?? newId(draft.name, taken, noun);
-    save.mutate({ id, body, base: replaced }, { onSuccess: onSaved });
+    save.mutate(
+      { id, body, base: replaced },
+      { onSuccess: onSaved, onError: (error) => change((before) => refused(before, error)) },
+    );
   };
   const submit = (event: FormEvent) => {
     event.preventDefault();

@@ -187,11 +187,16 @@ export function errorAt(errors: readonly FieldError[], where: string): string | 
 
 /** The draft with what the gateway has refused, each at its step. @param fields By paths such as `steps.1.wait.seconds`. */
 export function withRefused(draft: Draft, fields: readonly FieldError[]): Draft {
+  const steps = refusedSteps(draft.steps, fields);
+  return { ...draft, steps, refused: fields.filter(({ path }) => !/^steps\.\d/.test(path)) };
+}
+
+/** Steps with what the gateway has refused of each. @param list Where they are in the request. */
+export function refusedSteps(steps: readonly StepDraft[], fields: readonly FieldError[], list = "steps") {
   const ofStep = (index: number) =>
     fields.flatMap(({ path, detail }) => {
-      const start = `steps.${index}`;
+      const start = `${list}.${index}`;
       return isAt(path, start) ? [{ path: path.slice(start.length + 1), detail }] : [];
     });
-  const steps = draft.steps.map((step, index) => ({ ...step, refused: ofStep(index) }));
-  return { ...draft, steps, refused: fields.filter(({ path }) => !/^steps\.\d/.test(path)) };
+  return steps.map((step, index) => ({ ...step, refused: ofStep(index) }));
 }

@@ -7,6 +7,7 @@ import {
   SimpleGrid,
   TextInput,
 } from "@mantine/core";
+import { refusedFields } from "../../../actions/DraftFields";
 import { EntryForm } from "../../../entries/EntryForm";
 import { useFleet, useFleetPart } from "../../../fleet/context";
 import { defaultRobot } from "../../../fleet/names";
@@ -16,6 +17,7 @@ import { useStoredCommands } from "../stored";
 import { TakerField, useExampleRobot } from "../TakerField";
 import { ArgumentFields } from "../templates/ArgumentFields";
 import { useTemplates } from "../templates/templates";
+import { refusedSteps } from "../wrong";
 import { bodyOf, draftOf, errorsOf, type NamedSchedule, SCHEDULES, type ScheduleDraft } from "./schedules";
 
 const MAX_TIMES = 24;
@@ -45,6 +47,9 @@ export function ScheduleForm({ schedule, schedules, onDone }: ScheduleFormProps)
       errorsOf={(draft) => errorsOf(draft, templates)}
       bodyOf={(draft, by, replaced) => bodyOf(draft, templates, replaced?.enabled ?? true, by)}
       save={save}
+      refused={({ steps }, error) => ({
+        steps: refusedSteps(steps, refusedFields(error), "mission.steps"),
+      })}
       onSaved={onDone}
       onCancel={onDone}
     >

@@ -1,6 +1,7 @@
 import { NumberInput, SimpleGrid, Stack, Text, TextInput } from "@mantine/core";
 import { useState } from "react";
 import { useLocation } from "react-router";
+import { refusedFields } from "../../../actions/DraftFields";
 import { EntryCard } from "../../../entries/EntryCard";
 import { EntryForm } from "../../../entries/EntryForm";
 import { useFleet, useFleetPart, useWhyNot } from "../../../fleet/context";
@@ -13,6 +14,7 @@ import { StepList } from "../StepList";
 import { StoredPage } from "../StoredPage";
 import { useStoredCommands } from "../stored";
 import { stepsOf } from "../written";
+import { refusedSteps } from "../wrong";
 import { usedIn } from "./parameters";
 import { RunTemplate } from "./RunTemplate";
 import {
@@ -141,6 +143,7 @@ function TemplateForm({ template, example, templates, onDone }: TemplateFormProp
       errorsOf={errorsOf}
       bodyOf={(draft, by) => bodyOf(draft, by)}
       save={save}
+      refused={({ steps }, error) => ({ steps: refusedSteps(steps, refusedFields(error)) })}
       onSaved={onDone}
       onCancel={onDone}
     >
