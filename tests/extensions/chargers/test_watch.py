@@ -150,6 +150,17 @@ async def test_a_goal_that_did_not_ask_is_noted_and_is_trouble_if_another_robot_
 
 
 @in_virtual_time
+async def test_a_robot_that_arrives_at_its_dock_is_not_at_that_of_the_goal_before() -> None:
+    site = Site()
+    site.robot.last_goal = docking(status=GoalStatus.SUCCEEDED)
+    site.robot.goals = [docking("b", "next")]
+    site.records.known["a"] = DockRecord(hold=Hold(robot="/robot2", standing=True, since_at=NOON))
+    site.sees(docked=True)
+    await site.look(2)
+    assert site.watch.trouble.contested == {}
+
+
+@in_virtual_time
 async def test_it_looks_by_itself_and_at_once_when_a_goal_has_ended() -> None:
     site = await reserved()
     looks: list[None] = []

@@ -230,9 +230,9 @@ class DockWatch:
 
     def _at(self, state: RobotState) -> list[tuple[str, Goal]]:
         """Return the shared docks that a robot drives to or stands at, each with the docking goal that says so."""
-        last, goals = state.last_goal, [*state.goals]
-        if state.on_dock and last is not None and last.verb == "dock" and last.status is GoalStatus.SUCCEEDED:
-            goals.append(last)
+        last, goals = state.last_goal, [goal for goal in state.goals if goal.verb == "dock"]
+        if not goals and state.on_dock and last is not None and last.status is GoalStatus.SUCCEEDED:
+            goals = [last]  # a goal that runs says more: the robot may touch the dock of that one already
         found = ((self._dock_of(goal), goal) for goal in goals)
         return [(dock_id, goal) for dock_id, goal in found if dock_id in self._docks.book.all()]
 
