@@ -63,6 +63,7 @@ class Site:
             actions=cast("Any", SimpleNamespace(get=lambda _: action)),
             docks=cast("Any", None),
             labels=cast("Any", None),
+            distances=cast("Any", None),
             clock=now,
         )
         self.watch = DockWatch(self.docks, cast("Any", self), cast("Any", self), EVERYTHING, clock=now)

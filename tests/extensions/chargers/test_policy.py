@@ -16,7 +16,8 @@ from dock_gateway.extensions.chargers.policy import (
     GoalState,
     Obstacle,
     Seen,
-    choose,
+    best,
+    choices,
     follow,
     is_waiting,
     left,
@@ -37,6 +38,12 @@ OTHERS = DockRecord(hold=Hold(robot="/robot2", standing=True, since_at=NOON))
 
 def after(seconds: float) -> datetime:
     return NOON + timedelta(seconds=seconds)
+
+
+def choose(ask: Ask, *facts: Any, **more: Any) -> tuple[str | None, dict[str, Obstacle]]:
+    """What a robot gets that nobody has measured the way of, and why if it gets nothing."""
+    free, obstacles = choices(ask, *facts, **more)
+    return (best(ask, free, facts[1], {}), {}) if free else (None, obstacles)
 
 
 def seen(state: GoalState | None = None, **more: Any) -> Seen:
@@ -73,6 +80,14 @@ def test_a_dock_that_is_not_shared_is_free_and_one_for_others_is_not() -> None:
     assert choose(Ask("/robot1", ["x"]), DOCKS, {}, {}, NOON) == ("x", {})
     assert choose(Ask("/robot1", ["a"]), {"a": others}, {}, {}, NOON) == (None, {"a": Obstacle.UNFIT})
     assert choose(Ask("/robot1", ["a"], ("hall",)), {"a": others}, {}, {}, NOON) == ("a", {})
+
+
+def test_the_nearest_dock_is_the_best_unless_the_robot_has_another_one() -> None:
+    free = ["a", "b", "c"]
+    assert best(ASK, free, {}, {}) == "a", "the first, where no distance is known"
+    assert best(ASK, free, {}, {"b": 2.0, "c": 1.0}) == "c"
+    assert best(ASK, free, {"a": STANDING}, {"a": 9.0, "c": 1.0}) == "a", "it has it already"
+    assert best(Ask("/robot2", free), free, {"a": STANDING}, {"c": 1.0}) == "c"
 
 
 def test_who_has_waited_longest_comes_first_and_who_asks_no_more_does_not_wait() -> None:

@@ -20,7 +20,8 @@ from dock_gateway.extensions.chargers.policy import (
     Ask,
     GoalState,
     Seen,
-    choose,
+    best,
+    choices,
     follow,
     is_waiting,
     reserve,
@@ -76,8 +77,10 @@ class World:
             return
         docks = self.random.choice([NAMES, NAMES[::-1], NAMES[:1]])
         ask = Ask(robot, docks)
-        chosen, _ = choose(ask, DOCKS, self.records, self.waits, self.now, by_charge=self.by_charge)
-        if chosen is not None:
+        free, _ = choices(ask, DOCKS, self.records, self.waits, self.now, by_charge=self.by_charge)
+        if free:
+            distances = {name: self.random.random() for name in free if self.random.random() < 0.5}
+            chosen = best(ask, free, self.records, distances)
             self.asking.append(Pending(robot, chosen, self.records.get(chosen, FREE), self.now))
         elif waits:
             entry = waits_for(ask, DOCKS, self.waits, self.now)

@@ -1,7 +1,7 @@
 """Shared docks over HTTP: what is stored and reported, what is refused with which code, and who sees what."""
 
 import asyncio
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from datetime import timedelta
 from types import SimpleNamespace
 from typing import Any, cast
@@ -20,7 +20,7 @@ from dock_gateway.core.goal import Goal
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.extensions.chargers.alerts import dock_alerts
 from dock_gateway.extensions.chargers.board import DockBoard
-from dock_gateway.extensions.chargers.dock import DockBody, DockEntry, DockRecord, Hold, WaitEntry
+from dock_gateway.extensions.chargers.dock import DockBody, DockEntry, DockPose, DockRecord, Hold, WaitEntry
 from dock_gateway.extensions.chargers.metrics import dock_metrics
 from dock_gateway.extensions.chargers.schema import DockReport
 from dock_gateway.extensions.chargers.shared_docks import SharedDocks
@@ -57,7 +57,14 @@ class Robots:
     async def document(self, *_: str) -> dict[str, Any]:
         if self.said is None:
             raise Unavailable("it does not answer", code="docks_unavailable")
-        return {"docks": [{"dock_id": name} for name in self.said]}
+        pose = {"x": 1.0, "y": 0.0, "theta": 0.0}
+        return {"docks": [{"dock_id": name, "frame": None, "pose": pose} for name in self.said]}
+
+    async def measure(self, robot: str, docks: Mapping[str, DockPose]) -> dict[str, float]:
+        """Stand in for the transforms: `/robot2` is at x = 5 m on the map, and nobody knows where `/robot1` is."""
+        if robot == "/robot1":
+            return {}
+        return {name: abs(5.0 - pose.x) for name, pose in docks.items() if pose.frame == "map"}
 
 
 class Client(RouteClient):
@@ -77,6 +84,7 @@ class Client(RouteClient):
             actions=cast("Any", SimpleNamespace(get=lambda _: action, running=lambda: self.running)),
             docks=robots,
             labels=cast("Any", labels),
+            distances=robots,
         )
         self.watch = DockWatch(self.docks, robots, cast("Any", None), cast("Any", None))
         self.board = DockBoard(self.docks, self.watch, robots, self.fanout)
@@ -208,6 +216,20 @@ def test_a_goal_without_a_name_gets_the_first_free_dock(client: Client, dock: st
     assert client.admit(goal("/robot2", dock)) == "b"
     client.robots.said = None
     assert client.admit(goal(dock=dock)) is None, "a server that does not say what it has decides by itself"
+
+
+def test_a_robot_whose_place_is_known_gets_the_nearest_free_dock(client: Client) -> None:
+    client.robots.said = ["a", "b", "c"]
+    for name, x in (("a", 0.0), ("b", 4.5)):
+        client.put(name, {"pose": {"x": x, "y": 0.0}})
+    assert client.admit(goal("/robot2")) == "b"
+    client.report({"occupied_by": "/robot1"}, dock_id="b")
+    assert client.admit(goal("/robot2")) == "c", "where its docking server says: x = 1 m, before a, and not shared"
+    client.put("c", {"pose": {"x": 0.0, "y": 0.0, "frame": "hall"}})
+    assert client.admit(goal("/robot2")) == "a", "the place of c in the robot's map is not known"
+    assert client.admit(goal("/robot2")) == "a", "it has it already"
+    client.report({"occupied_by": "nobody"}, dock_id="b")
+    assert client.admit(goal("/robot2")) == "a", "also if another one is nearer"
 
 
 def test_what_is_no_goal_to_a_dock_by_name(client: Client) -> None:

@@ -9,6 +9,7 @@ from dock_gateway.core.tasks import closed_by
 from dock_gateway.extension import Extension
 from dock_gateway.extensions.chargers.alerts import KINDS, dock_alerts
 from dock_gateway.extensions.chargers.board import DockBoard
+from dock_gateway.extensions.chargers.distances import Distances
 from dock_gateway.extensions.chargers.dock import DockEntry, DockRecord, WaitEntry
 from dock_gateway.extensions.chargers.dock_file import UNREAD, DockFile
 from dock_gateway.extensions.chargers.error_codes import CODES
@@ -25,6 +26,8 @@ from dock_gateway.fleet.fleet import Fleet
 from dock_gateway.goals.docks import Docks
 from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
+from dock_gateway.graph.cache import GraphCache
+from dock_gateway.graph.relays import Relays
 from dock_gateway.http.parts import Parts
 from dock_gateway.robots.labels import Labels
 from dock_gateway.robots.registry import RobotRegistry
@@ -48,6 +51,7 @@ async def open_chargers(parts: Parts) -> AsyncIterator[DockBoard]:
             actions=actions,
             docks=parts[Docks],
             labels=parts[Labels],
+            distances=Distances(parts[Settings], parts[Relays], parts[GraphCache]),
             by_charge=settings.chargers_queue == "lowest_charge",
         )
         await docks.sync()

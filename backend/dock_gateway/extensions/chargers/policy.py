@@ -4,6 +4,7 @@ A dock has one record, which is stored only if nobody else has changed it meanwh
 decision, however many gateways there are.
 """
 
+import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
@@ -63,7 +64,7 @@ class Obstacle(StrEnum):
 
 @dataclass(frozen=True)
 class Ask:
-    """A robot that asks for one of some docks, the best first."""
+    """A robot that asks for one of some docks."""
 
     robot: str
     docks: Sequence[str]
@@ -85,7 +86,7 @@ def obstacle(ask: Ask, dock: DockEntry | None, record: DockRecord) -> Obstacle |
     return Obstacle.TOO_MANY if len(record.hold.goal_ids) >= MAX_GOALS else None
 
 
-def choose(
+def choices(
     ask: Ask,
     docks: Mapping[str, DockEntry],
     records: Mapping[str, DockRecord],
@@ -93,8 +94,8 @@ def choose(
     now: datetime,
     *,
     by_charge: bool = False,
-) -> tuple[str | None, dict[str, Obstacle]]:
-    """Return the dock that a robot gets now, or None and why it gets none of them.
+) -> tuple[list[str], dict[str, Obstacle]]:
+    """Return the docks of which a robot may get one now, and why it gets none of the others.
 
     Args:
         ask: Which it would take.
@@ -105,6 +106,7 @@ def choose(
         by_charge: Whether the robot with the lowest charge comes first, not the one that has waited longest.
     """
     before = earlier(ask.robot, waits, now, by_charge=by_charge)
+    free: list[str] = []
     obstacles: dict[str, Obstacle] = {}
     for dock_id in ask.docks:
         record = records.get(dock_id, FREE)
@@ -112,9 +114,27 @@ def choose(
         if reason is None and record.hold is None and any(dock_id in waits[robot].docks for robot in before):
             reason = Obstacle.QUEUE
         if reason is None:
-            return dock_id, {}
-        obstacles[dock_id] = reason
-    return None, obstacles
+            free.append(dock_id)
+        else:
+            obstacles[dock_id] = reason
+    return free, obstacles
+
+
+def best(ask: Ask, free: Sequence[str], records: Mapping[str, DockRecord], distances: Mapping[str, float]) -> str:
+    """Return which of the docks of `choices` a robot gets: one that it has already, the nearest, or the first.
+
+    Args:
+        ask: What it has asked for.
+        free: The docks, one at least.
+        records: What has happened there.
+        distances: How far the robot is from them, in metres, of those for which that is known.
+    """
+
+    def place(dock_id: str) -> tuple[bool, float]:
+        hold = records.get(dock_id, FREE).hold
+        return hold is None or hold.robot != ask.robot, distances.get(dock_id, math.inf)
+
+    return min(free, key=place)
 
 
 def earlier(robot: str, waits: Mapping[str, WaitEntry], now: datetime, *, by_charge: bool = False) -> list[str]:

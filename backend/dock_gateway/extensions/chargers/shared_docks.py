@@ -15,6 +15,7 @@ from dock_gateway.core.goal import Goal
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.versions import UNCONDITIONAL, Condition
 from dock_gateway.extensions.chargers import policy
+from dock_gateway.extensions.chargers.distances import Distances
 from dock_gateway.extensions.chargers.dock import DockEntry, DockPose, DockRecord, WaitEntry
 from dock_gateway.extensions.chargers.policy import Ask, Obstacle
 from dock_gateway.goals.action import Action
@@ -44,6 +45,7 @@ class SharedDocks:
         actions: All actions.
         docks: The docks that the robots' docking servers know.
         labels: The groups of the robots.
+        distances: Says how far robots are from docks.
         by_charge: Whether the robot with the lowest charge comes first.
         clock: Returns the time.
     """
@@ -58,6 +60,7 @@ class SharedDocks:
         actions: ActionRegistry,
         docks: Docks,
         labels: RobotLabels,
+        distances: Distances,
         by_charge: bool = False,
         clock: Callable[[], datetime] = utc_now,
     ) -> None:
@@ -69,6 +72,7 @@ class SharedDocks:
         self.by_charge = by_charge
         self._docks = docks
         self._labels = labels
+        self._distances = distances
         self._clock = clock
 
     async def sync(self) -> bool:
@@ -142,28 +146,40 @@ class SharedDocks:
         named = action.adapter.dock_of(fields)
         if named is None:
             return None
-        docks = [named] if named else await self._listed(action)
+        docks = {named: None} if named else await self._listed(action)
         if not any(dock_id in self.book.all() for dock_id in docks):
             return None
-        ask = Ask(robot.namespace, docks, tuple(self._labels.get(robot.namespace).groups))
-        dock_id = await self._reserve(ask, goal, UNLIMITED if sender is None else sender.grant.own)
+        ask = Ask(robot.namespace, tuple(docks), tuple(self._labels.get(robot.namespace).groups))
+        dock_id = await self._reserve(ask, docks, goal, UNLIMITED if sender is None else sender.grant.own)
         return None if named else action.adapter.at_dock(fields, dock_id)
 
-    async def _listed(self, action: Action) -> list[str]:
-        """Return the docks that a robot's docking server knows; none if it does not say."""
+    async def _listed(self, action: Action) -> dict[str, DockPose | None]:
+        """Return the docks that a robot's docking server knows, and where they are; none if it does not say."""
         try:
             found = await self._docks.document(action.name, action.family, action.default_dock)
         except Unavailable:
-            return []
-        return [each["dock_id"] for each in found["docks"]]
+            return {}
+        return {each["dock_id"]: self._place(each) for each in found["docks"]}
 
-    async def _reserve(self, ask: Ask, goal: Goal, grant: Grant) -> str:
+    def _place(self, listed: Mapping[str, Any]) -> DockPose | None:
+        """Return where a dock is, as it was entered here, or as a docking server says."""
+        shared = self.book.get(listed["dock_id"])
+        if shared is not None and shared.pose is not None:
+            return shared.pose
+        return None if listed["pose"] is None else DockPose(frame=listed["frame"] or "map", **listed["pose"])
+
+    async def _reserve(self, ask: Ask, docks: Mapping[str, DockPose | None], goal: Goal, grant: Grant) -> str:
         obstacles: dict[str, Obstacle] = {}
+        distances: dict[str, float] | None = None
         for _ in range(TRIES):
             records, waits, now = await self.records.read(), await self.waits.read(), self._clock()
-            dock_id, obstacles = policy.choose(ask, self.book.all(), records, waits, now, by_charge=self.by_charge)
-            if dock_id is None:
+            free, obstacles = policy.choices(ask, self.book.all(), records, waits, now, by_charge=self.by_charge)
+            if not free:
                 break
+            if len(free) > 1 and distances is None:
+                distances = await self._measure(ask.robot, {name: pose for name in free if (pose := docks[name])})
+                continue  # it takes a moment, in which others may have come
+            dock_id = policy.best(ask, free, records, distances or {})
             if dock_id not in self.book.all():
                 await self._end_wait(ask.robot)
                 return dock_id
@@ -178,6 +194,14 @@ class SharedDocks:
             if place is not None:
                 refusal.extra["wait_at"] = {"frame": place.frame, "x": place.x, "y": place.y, "yaw": place.theta}
         raise refusal
+
+    async def _measure(self, robot: str, docks: Mapping[str, DockPose]) -> dict[str, float]:
+        """Return how far a robot is from docks, of those for which that is known; one alone is no question."""
+        try:
+            return await self._distances.measure(robot, docks) if len(docks) > 1 else {}
+        except GatewayError as error:
+            log.warning("which dock is the nearest to %s is not known: %s", robot, error.detail)
+            return {}
 
     async def _wait(self, ask: Ask) -> DockPose | None:
         """Note that a robot waits, which it does as long as it asks again; return where; None: where it is."""

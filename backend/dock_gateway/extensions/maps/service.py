@@ -16,10 +16,10 @@ from dock_gateway.core.narrowing import by_robot
 from dock_gateway.core.tasks import cancel
 from dock_gateway.extensions.maps.events import surroundings_event
 from dock_gateway.extensions.maps.feed import MapFeed
-from dock_gateway.extensions.maps.frames import Frames
 from dock_gateway.extensions.maps.pool import Pool
 from dock_gateway.extensions.maps.surroundings import MAP, PATH, SCAN, Surroundings
 from dock_gateway.graph.cache import GraphCache
+from dock_gateway.graph.frames import Frames
 from dock_gateway.graph.relays import Relays
 from dock_gateway.settings import Settings
 

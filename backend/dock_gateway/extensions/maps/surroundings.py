@@ -9,10 +9,10 @@ from dock_gateway.core.graph import TRANSFORMS
 from dock_gateway.core.laser import path_points, scan_points
 from dock_gateway.core.scene import BASE, ODOM, Pose
 from dock_gateway.extensions.maps.feed import GRID_TYPE, MapFeed
-from dock_gateway.extensions.maps.frames import STATIC, Frames
 from dock_gateway.extensions.maps.pool import Pool
 from dock_gateway.extensions.maps.settings import MapSettings
 from dock_gateway.graph.cache import GraphCache
+from dock_gateway.graph.frames import STATIC, Frames
 from dock_gateway.graph.received import Received
 from dock_gateway.graph.relays import Relays
 from dock_gateway.graph.topic_reader import MOST_BYTES, TopicReader, find_topic

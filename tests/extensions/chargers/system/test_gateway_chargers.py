@@ -14,7 +14,9 @@ from rclpy.node import Node
 from docking.ros.process import Spinner
 from tests.support.docking_servers import Server
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_gateway, running_program
+from tests.support.installed import needs
 from tests.support.observer import ros_nodes
+from tests.support.processes import ForkedProcess, ros_environment
 from tests.support.waiting import PATIENCE, wait_until
 
 pytestmark = pytest.mark.ros
@@ -178,6 +180,24 @@ def test_a_goal_without_a_name_gets_a_free_dock_and_keeps_its_key(domain: int, t
         goal_id = dock(gateway)["goal_ids"][0]
         gateway.http.post(f"/goals/{goal_id}/cancel").raise_for_status()
         until(gateway, "free", None)
+
+
+@needs("simulator")
+def test_a_goal_without_a_name_gets_the_nearest_dock_by_the_robots_transforms(domain: int) -> None:
+    fleet, at = ("-m", "docking.nodes.simulated_fleet", "2"), {"robot": "/robot1"}
+    with running_gateway(domain, namespace="/robot1") as gateway, ForkedProcess(*fleet, env=ros_environment(domain)):
+        http = gateway.http
+        wait_until(lambda: http.get("/simulator", params=at).status_code == 200, "a simulator")
+        wait_until(lambda: http.get("/docks", params=at).status_code == 200, "its docking server")
+        wait_until(lambda: http.get("/topics/robot1/tf").status_code == 200, "its transforms on the graph")
+        for name in ("dock1", "dock2"):
+            http.put(f"/shared-docks/{name}", json={}).raise_for_status()
+        for lane, name in ((1.0, "dock2"), (0.0, "dock1")):
+            http.post("/simulator/place", params=at, json={"x": -3.0, "y": lane, "theta": 0.0}).raise_for_status()
+            goal_id = http.post("/dock", params=at).raise_for_status().json()["goal_id"]
+            assert gateway.goal(goal_id)["goal"]["desired_battery_state"]["location"] == name
+            http.post(f"/goals/{goal_id}/cancel").raise_for_status()
+            until(gateway, "free", None, name)
 
 
 @pytest.mark.usefixtures("servers")

@@ -33,7 +33,9 @@ from dock_gateway.goals.goals import Goals
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
 from dock_gateway.goals.unfinished import take_over_unfinished
+from dock_gateway.graph.cache import GraphCache
 from dock_gateway.graph.publishing import Publishing
+from dock_gateway.graph.relays import Relays
 from dock_gateway.graph.service_calls import ServiceCalls
 from dock_gateway.http.parts import Parts
 from dock_gateway.latch.interlock import Interlock
@@ -255,6 +257,8 @@ class Gateway(Process):
             Share: EVERYTHING,
             Stopper: Stopper(known, actions, interlock),
             AlertBoard: SimpleNamespace(sources=Hooks()),
+            Relays: None,  # where the docks are is not known
+            GraphCache: None,
         }
         return Parts(parts), robots
 

@@ -9,7 +9,7 @@ from geometry_msgs.msg import TransformStamped
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.extensions.maps.frames import Frames
+from dock_gateway.graph.frames import Frames
 from robot_io.transform_tree import TransformError
 from tf2_msgs.msg import TFMessage
 
