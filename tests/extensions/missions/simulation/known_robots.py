@@ -161,4 +161,4 @@ class KnownDocks:
 
     async def document(self, *_: Any) -> dict[str, Any]:
         """Return the docks."""
-        return {"docks": [{"dock_id": name} for name in self._names]}
+        return {"docks": [{"dock_id": name, "frame": None, "pose": None} for name in self._names]}
