@@ -13,9 +13,11 @@ from rclpy.node import Node
 
 from docking.ros.process import Spinner
 from tests.support.docking_servers import Server
+from tests.support.domain import ros_domain
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_gateway, running_program
 from tests.support.installed import needs
 from tests.support.observer import ros_nodes
+from tests.support.postgresql import binaries, running_postgresql
 from tests.support.processes import ForkedProcess, ros_environment
 from tests.support.waiting import PATIENCE, wait_until
 
@@ -211,6 +213,39 @@ def test_of_two_gateways_on_one_database_one_gets_the_dock_for_its_robot(domain:
         out = {"out_of_order": True, "note": "The cable is loose"}
         second.http.post("/shared-docks/lab/report", json=out).raise_for_status()
         assert dock(first)["state"] == "out_of_order"
+
+
+@pytest.mark.skipif(binaries() is None, reason="no PostgreSQL is installed")
+def test_robots_of_two_ros_networks_share_a_dock_by_one_database() -> None:
+    """As two sites do whose robots use the same dock: no gateway sees a robot of the other one."""
+    with ExitStack() as stack:
+        database = stack.enter_context(running_postgresql()).url
+        gateways = []
+        for robot in ROBOTS:
+            domain = stack.enter_context(ros_domain())
+            servers = ("-r", f"__ns:={robot}", "-p", "docks:=[lab]")
+            stack.enter_context(running_program(domain, "docking_server", *servers))
+            settings = {"namespace": robot, "serve_robots": robot, "database_url": database}
+            gateways.append(stack.enter_context(running_gateway(domain, **settings)))
+        first, second = gateways
+        for gateway, robot in zip(gateways, ROBOTS, strict=True):
+            wait_until(lambda gateway=gateway: gateway.http.get("/docks").status_code == 200, robot)
+            battery(gateway, robot, LOW)
+        first.http.put("/shared-docks/lab", json={}).raise_for_status()
+        wait_until(lambda: second.http.get("/shared-docks/lab").status_code == 200, "the dock at the other gateway")
+        sent = send(first, "dock", "/robot1", LAB)
+        assert sent.status_code == 202, sent.text
+        refused = send(second, "dock", "/robot2", LAB)
+        assert (refused.json()["code"], refused.json()["robot"]) == ("dock_occupied", "/robot1")
+        body = {"steps": [{"dock": LAB}]}
+        waiting = second.http.post("/missions", params={"robot": "/robot2"}, json=body).raise_for_status().json()
+        wait_until(lambda: mission(second, waiting["mission_id"])["waits_for"] == "dock", "the mission at the dock")
+        assert [each["robot"] for each in dock(first)["waiting"]] == ["/robot2"]
+        first.http.post(f"/goals/{sent.json()['goal_id']}/cancel").raise_for_status()
+        until(second, "reserved", "/robot2")
+        battery(second, "/robot2", CHARGING)
+        wait_until(lambda: mission(second, waiting["mission_id"])["status"] == "succeeded", "the end of the mission")
+        until(first, "occupied", "/robot2")
 
 
 def test_docking_servers_read_the_docks_that_people_enter(domain: int, tmp_path: Path) -> None:
