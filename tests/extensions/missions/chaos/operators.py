@@ -53,7 +53,8 @@ class Operators(Worker):
                 continue
             code = answer.json().get("code") if answer.content else None
             self.answers[f"{method} /{path.split('/')[1]}: {code or answer.status_code}"] += 1
-            if answer.status_code not in (429, 503, 504):
+            # A gateway that has just begun has not found all robots yet.
+            if answer.status_code not in (429, 503, 504) and code != "robot_not_found":
                 return answer
             time.sleep(0.2)
 
