@@ -71,8 +71,11 @@ class SharedEntries(Generic[EntryT]):
             Unavailable: The history does not answer (`history_unavailable`); nothing has changed.
         """
         async with self._saving:
+            before = self._unsaved.get(key, ...)
             await self._store.write(key, entry, check, dependency)
-            self._set(key, entry)
+            if self._unsaved.get(key, ...) is before:  # else `put` has set something newer meanwhile
+                self._unsaved.pop(key, None)
+                self._set(key, entry)
 
     def dependency(self, check: Callable[[Mapping[str, EntryT]], None]) -> Dependency:
         """Return a check of these entries for a write to others."""

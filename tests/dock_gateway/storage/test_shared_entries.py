@@ -97,6 +97,35 @@ async def test_what_must_be_stored_first_is_set_then() -> None:
     assert stored == [{}, {"a": ADA}]
 
 
+@pytest.mark.parametrize("put", [BOB, None])
+async def test_what_is_put_while_the_same_is_stored_is_kept(
+    put: Acknowledgement | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store = SharedStore[Acknowledgement]()
+    here = SharedEntries(store)
+    write = store.write
+
+    async def write_slowly(*what: Any) -> None:
+        await write(*what)
+        if what[1] is ADA:
+            here.put("a", put)
+
+    monkeypatch.setattr(store, "write", write_slowly)
+    await here.store("a", ADA, lambda _: None)
+    assert here.get("a") == put
+    assert await here.sync()
+    assert (here.get("a"), (await store.read()).get("a")) == (put, put)
+
+
+async def test_what_is_stored_is_not_undone_by_what_was_put_before() -> None:
+    store = SharedStore[Acknowledgement]()
+    here = SharedEntries(store)
+    here.put("a", ADA)
+    await here.store("a", BOB, lambda _: None)
+    assert await here.sync()
+    assert (here.get("a"), await store.read()) == (BOB, {"a": BOB})
+
+
 async def test_what_is_read_meanwhile_does_not_undo_anything() -> None:
     store = SharedStore[Acknowledgement]()
     here = SharedEntries(store)
