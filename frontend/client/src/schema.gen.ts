@@ -212,7 +212,7 @@ export interface paths {
         };
         /**
          * Get Replay
-         * @description Return what the replay of a goal shows of its recording: laser scans, commanded velocities, the battery.
+         * @description Return what the replay of a goal shows of its recording: laser scans, commanded velocities, battery, the log.
          */
         get: operations["get_replay"];
         put?: never;
@@ -3887,6 +3887,8 @@ export interface components {
         /**
          * GoalReplay
          * @description What the replay of a goal shows of its recording, thinned: at most five of each in a second, and 400 of each.
+         *
+         *     `log`: what nodes of the robot said meanwhile, at most 400 lines.
          */
         GoalReplay: {
             /** Scans */
@@ -3895,6 +3897,8 @@ export interface components {
             velocity: components["schemas"]["ReplayVelocity"][];
             /** Battery */
             battery: components["schemas"]["ReplayBattery"][];
+            /** Log */
+            log: components["schemas"]["ReplayLine"][];
         };
         /**
          * GoalState
@@ -5445,6 +5449,23 @@ export interface components {
             voltage: number | null;
             /** Percentage */
             percentage: number | null;
+        };
+        /**
+         * ReplayLine
+         * @description A line that a node logged, or a diagnosis that became worse or better; `node` is the name of either.
+         */
+        ReplayLine: {
+            /** Offset S */
+            offset_s: number;
+            /**
+             * Level
+             * @enum {string}
+             */
+            level: "info" | "warning" | "error" | "fatal";
+            /** Node */
+            node: string;
+            /** Text */
+            text: string;
         };
         /**
          * ReplayScan

@@ -113,6 +113,8 @@ export interface Places {
   goalHead: OfGoal;
   /** Among what can be done about a goal. */
   goalCommands: OfGoal;
+  /** Below the motion of a goal, above its feedback. */
+  goalPanels: OfGoal;
   /** Beside the origin of a goal: what sent it. */
   goalOrigin: OfGoal;
   /** Beside the name of a goal in a list. */

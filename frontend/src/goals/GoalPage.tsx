@@ -3,6 +3,7 @@ import { Skeleton, Stack, Text, Title } from "@mantine/core";
 import { Suspense } from "react";
 import { useParams } from "react-router";
 import { apiAddress } from "../api/site";
+import { Parts } from "../extension/context";
 import { useNaming } from "../fleet/context";
 import { goalTitle } from "../goal/words";
 import { Command } from "../ui/CopyButton";
@@ -73,6 +74,7 @@ function WatchedGoal() {
         </Stack>
         <Stack gap="md" className={classes.longest}>
           {isTerminal(goal.status) && goal.verb !== null && <MotionPlots goal={goal} />}
+          <Parts at="goalPanels" goal={goal} quiet />
           <FeedbackSection goal={goal} />
         </Stack>
         <GoalMessages goal={goal} />

@@ -10,16 +10,19 @@ from typing import Any
 from uuid import UUID
 
 import pytest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import TransformStamped, Twist, TwistStamped
 from hypothesis import given
 from hypothesis import strategies as st
 from nav_msgs.msg import Odometry
+from rcl_interfaces.msg import Log
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import BatteryState, CompressedImage, LaserScan
 
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.grant import UNLIMITED
 from dock_gateway.extensions.recordings import replay as module
+from dock_gateway.extensions.recordings.goal_log import MOST_LINES, MOST_TEXT
 from dock_gateway.extensions.recordings.mcap_file import McapFile
 from dock_gateway.extensions.recordings.recordings import Recordings
 from dock_gateway.extensions.recordings.replay import MOST, Replay, thinned
@@ -53,7 +56,7 @@ def replay(path: Path, *samples: Sample) -> dict[str, Any]:
         file = McapFile(output)
         file.write(samples)
         file.finish({})
-    return Replay(BEGAN, "cmd_vel").read(path, lambda topic: topic != "/secret/battery")
+    return Replay(BEGAN, "cmd_vel", "/robot1").read(path, lambda topic: topic != "/secret/battery")
 
 
 def test_scans_velocities_and_battery_as_seen_from_the_robot(tmp_path: Path) -> None:
@@ -75,6 +78,51 @@ def test_scans_velocities_and_battery_as_seen_from_the_robot(tmp_path: Path) -> 
     assert found["battery"] == [{"offset_s": 2.0, "voltage": 8.0, "percentage": pytest.approx(math.nan, nan_ok=True)}]
 
 
+def line(name: str, text: str, at: float, level: Any = Log.INFO) -> Sample:
+    return sample("/rosout", Log(level=level, name=name, msg=text), at)
+
+
+def diagnosis(level: bytes, at: float, name: str = "robot1/base", topic: str = "/diagnostics") -> Sample:
+    status = DiagnosticStatus(level=level, name=name, message=f"as bad as {level[0]}")
+    return sample(topic, DiagnosticArray(status=[status]), at)
+
+
+def test_what_the_nodes_of_the_robot_logged_and_diagnosed_meanwhile(tmp_path: Path) -> None:
+    found = replay(
+        tmp_path / "goal.mcap",
+        line("robot1.docking_server", "before", -1),
+        diagnosis(DiagnosticStatus.OK, -1),
+        line("robot1.docking_server", "Docking", 0.5),
+        line("robot1.docking_server", "too much", 0.6, Log.DEBUG),
+        line("robot2.docking_server", "of another robot", 0.7),
+        line("robot10.docking_server", "of another robot", 0.7),
+        diagnosis(DiagnosticStatus.WARN, 1),
+        diagnosis(DiagnosticStatus.WARN, 1.1),
+        diagnosis(DiagnosticStatus.ERROR, 1.2, "robot2/base"),
+        diagnosis(DiagnosticStatus.OK, 2, "base", "/robot1/diagnostics"),
+        diagnosis(DiagnosticStatus.ERROR, 2, "base", "/robot1/diagnostics"),
+        line("robot1.base", "x" * 9999, 3, Log.FATAL),
+        diagnosis(DiagnosticStatus.OK, 4),
+    )
+    assert [(each["offset_s"], each["level"], each["node"], each["text"][:20]) for each in found["log"]] == [
+        (0.5, "info", "robot1.docking_server", "Docking"),
+        (1.0, "warning", "robot1/base", "as bad as 1"),
+        (2.0, "error", "base", "as bad as 2"),
+        (3.0, "fatal", "robot1.base", 20 * "x"),
+        (4.0, "info", "robot1/base", "as bad as 0"),
+    ]
+    assert len(found["log"][3]["text"]) == MOST_TEXT
+
+
+def test_of_a_log_that_is_too_long_warnings_and_the_last_lines_are_kept(tmp_path: Path) -> None:
+    warnings = (line("robot1.a", "hot", at, Log.WARN) for at in range(10))
+    many = (line("robot1.a", str(number), 20 + number / 100) for number in range(2 * MOST_LINES))
+    log = replay(tmp_path / "goal.mcap", *warnings, *many)["log"]
+    assert len(log) == MOST_LINES
+    assert [each["level"] for each in log[:11]] == [*10 * ["warning"], "info"]
+    assert log[-1]["text"] == str(2 * MOST_LINES - 1)
+
+
 def test_what_makes_no_sense_is_left_out(tmp_path: Path) -> None:
     odd = LaserScan(angle_increment=math.nan, ranges=[1.0])
     damaged = Sample("/robot1/scan", type_name(LaserScan), b"\0\1\0\0odd", BEGAN, BEGAN)
@@ -86,7 +134,8 @@ def test_what_makes_no_sense_is_left_out(tmp_path: Path) -> None:
         sample("/robot1/scan", SCAN, 2),
         sample("/robot1/cmd_vel", TwistStamped(), 3),
     )
-    assert found == {"scans": [], "velocity": [{"offset_s": 3.0, "linear": 0.0, "angular": 0.0}], "battery": []}
+    velocity = [{"offset_s": 3.0, "linear": 0.0, "angular": 0.0}]
+    assert found == {"scans": [], "velocity": velocity, "battery": [], "log": []}
 
 
 def test_of_two_lasers_on_one_topic_that_take_turns_one_is_seen(tmp_path: Path) -> None:
@@ -168,6 +217,8 @@ SOUND = [
     *(sample("/robot1/battery_status", BatteryState(voltage=8.0), at) for at in range(5)),
     Sample("/robot1/camera", CAMERA, serialize_message(CompressedImage(data=b"\xff\xd8\xff picture")), BEGAN, BEGAN),
     event_sample(b'{"type": "status", "status": "executing"}', BEGAN),
+    line("robot1.docking_server", "Docking", 1),
+    diagnosis(DiagnosticStatus.WARN, 2),
 ]
 
 
@@ -183,8 +234,8 @@ def test_whatever_a_file_has_each_reader_of_recordings_ends_without_an_error(
     (left := folder / f"{UUID(int=2)}.part").write_bytes(data)
     recording = store.find(goal_id)
     assert recording is not None
-    shown = Replay(BEGAN, "cmd_vel").read(recording.path, lambda _: True)
-    assert shown.keys() == {"scans", "velocity", "battery"}
+    shown = Replay(BEGAN, "cmd_vel", "/robot1").read(recording.path, lambda _: True)
+    assert shown.keys() == {"scans", "velocity", "battery", "log"}
     json_response(shown)
     asyncio.run(check(store, recording))
     store.recover()

@@ -25,7 +25,7 @@ def recorded(topics: dict[str, list[str]], *more: str) -> dict[str, RecordedTopi
 
 
 def test_by_name_by_type_and_by_setting() -> None:
-    found = recorded(TOPICS, "imu", "/rosout")
+    found = recorded(TOPICS, "imu")
     assert found == {
         "/tf": RecordedTopic(TRANSFORMS),
         "/tf_static": RecordedTopic(TRANSFORMS, lasting=True),

@@ -100,19 +100,22 @@ class Recordings:
         except FileNotFoundError:
             raise NotFound("It has just been deleted.", code="recording_not_found") from None
 
-    async def replay(self, recording: Recording, goal: Goal, velocity: str, grant: Grant) -> dict[str, Any]:
+    async def replay(
+        self, recording: Recording, goal: Goal, grant: Grant, *, velocity: str, robot: str
+    ) -> dict[str, Any]:
         """Return what the replay of a goal shows of its recording, of the topics that a grant covers.
 
         Args:
             recording: The recording.
             goal: Its goal.
-            velocity: Name of the velocity topic, without its namespace.
             grant: Of who asks.
+            velocity: Name of the velocity topic, without its namespace.
+            robot: The namespace of its robot.
 
         Raises:
             NotFound: It has been deleted (`recording_not_found`).
         """
-        replay = Replay(nanoseconds(goal.created_at), velocity)
+        replay = Replay(nanoseconds(goal.created_at), velocity, robot)
         try:
             return await asyncio.to_thread(replay.read, recording.path, covers(grant))
         except FileNotFoundError:

@@ -1,4 +1,4 @@
-"""Thins a recording for the replay of its goal: laser scans, commanded velocities and the battery."""
+"""Thins a recording for the replay of its goal: laser scans, commanded velocities, the battery and the log."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -11,6 +11,7 @@ import numpy as np
 from dock_gateway.core.frames import frame_name, transform_of
 from dock_gateway.core.graph import TRANSFORMS
 from dock_gateway.core.laser import scan_points, spread
+from dock_gateway.extensions.recordings.goal_log import DIAGNOSTICS, LOG, GoalLog
 from dock_gateway.ros.raw_port import EchoType
 from robot_io.recording import Sample, read
 from robot_io.transform_tree import TransformTree
@@ -37,9 +38,10 @@ class Replay:
     Args:
         began_ns: When the goal began, in ns since 1970.
         velocity: Name of the velocity topic, without its namespace.
+        robot: The namespace of the robot.
     """
 
-    def __init__(self, began_ns: int, velocity: str) -> None:
+    def __init__(self, began_ns: int, velocity: str, robot: str) -> None:
         self._began_ns = began_ns
         self._velocity = velocity
         self._tree = TransformTree()
@@ -48,6 +50,7 @@ class Replay:
         self._topics: dict[str, str] = {}  # the first of each kind
         self._used_ns: dict[str, int] = {}
         self._interval_ns: dict[str, int] = {}
+        self._log = GoalLog(robot)
         self._found: dict[str, list[dict[str, Any]]] = {"scans": [], "velocity": [], "battery": []}
 
     def read(self, path: Path, covered: Callable[[str], bool]) -> dict[str, Any]:
@@ -60,7 +63,7 @@ class Replay:
             if covered(sample.topic):
                 with suppress(Exception):  # whatever the bytes of others bring about; a frame that is not known
                     self._take(sample)
-        return {kind: thinned(found) for kind, found in self._found.items()}
+        return {kind: thinned(found) for kind, found in self._found.items()} | {"log": self._log.lines()}
 
     def _take(self, sample: Sample) -> None:
         if sample.kind == TRANSFORMS:
@@ -70,7 +73,13 @@ class Replay:
             if self._is_due(sample, "odometry"):
                 self._used_ns["odometry"] = sample.received_ns
                 self._base = frame_name(self._decoded(sample).child_frame_id) or self._base
-        elif sample.kind == SCAN:
+        elif sample.kind in (LOG, DIAGNOSTICS):
+            self._log.take(self._offset(sample), self._decoded(sample), sample.topic)
+        else:
+            self._show(sample)
+
+    def _show(self, sample: Sample) -> None:
+        if sample.kind == SCAN:
             self._use(sample, "scans", self._scan)
         elif sample.kind == BATTERY:
             self._use(sample, "battery", _battery)
@@ -87,13 +96,16 @@ class Replay:
         if sample.received_ns < self._began_ns - INTERVAL_NS or not self._is_due(sample, what):
             return
         described = describe(self._decoded(sample))
-        at = round((sample.received_ns - self._began_ns) / 1e9, 3)
-        self._found[what].append({"offset_s": at, **described})
+        self._found[what].append({"offset_s": self._offset(sample), **described})
         if _shows(described):  # else the next one may
             self._used_ns[what] = sample.received_ns
         if len(self._found[what]) >= (most := MOST_SCANS if what == "scans" else MOST_HELD):
             self._found[what] = thinned(self._found[what])
             self._interval_ns[what] = self._interval_ns.get(what, INTERVAL_NS) * most // MOST
+
+    def _offset(self, sample: Sample) -> float:
+        """Return when a message came, in seconds since the goal began."""
+        return round((sample.received_ns - self._began_ns) / 1e9, 3)
 
     def _decoded(self, sample: Sample) -> Any:
         kind = self._kinds.get(sample.kind) or self._kinds.setdefault(sample.kind, EchoType(sample.kind))

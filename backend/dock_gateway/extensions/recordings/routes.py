@@ -157,13 +157,21 @@ async def get_replay(
     goals: Part[Goals],
     recordings: Part[Recordings],
     *,
+    robots: Part[RobotRegistry],
     settings: Part[Settings],
-    principal: ThePrincipal,
+    grant: TheGrant,
 ) -> Answer[GoalReplay]:
-    """Return what the replay of a goal shows of its recording: laser scans, commanded velocities, the battery."""
+    """Return what the replay of a goal shows of its recording: laser scans, commanded velocities, battery, the log."""
     goal = await goals.get(goal_id)
-    velocity = settings.cmd_vel_topic.rpartition("/")[2]
-    return json_response(await recordings.replay(await recordings.find(goal), goal, velocity, principal.grant))
+    owner = robots.owner(goal.action_name)
+    found = await recordings.replay(
+        await recordings.find(goal),
+        goal,
+        grant,
+        velocity=settings.cmd_vel_topic.rpartition("/")[2],
+        robot=goal.action_name.rpartition("/")[0] if owner is None else owner.namespace,
+    )
+    return json_response(found)
 
 
 @router.get(

@@ -40,12 +40,25 @@ class ReplayBattery(Schema):
     percentage: float | None
 
 
+class ReplayLine(Schema):
+    """A line that a node logged, or a diagnosis that became worse or better; `node` is the name of either."""
+
+    offset_s: float
+    level: Literal["info", "warning", "error", "fatal"]
+    node: str
+    text: str
+
+
 class GoalReplay(Schema):
-    """What the replay of a goal shows of its recording, thinned: at most five of each in a second, and 400 of each."""
+    """What the replay of a goal shows of its recording, thinned: at most five of each in a second, and 400 of each.
+
+    `log`: what nodes of the robot said meanwhile, at most 400 lines.
+    """
 
     scans: list[ReplayScan]
     velocity: list[ReplayVelocity]
     battery: list[ReplayBattery]
+    log: list[ReplayLine]
 
 
 # What a goal has more.

@@ -25,6 +25,7 @@ TYPES = frozenset(
         "irobot_create_msgs/msg/StopStatus",
         "nav_msgs/msg/Odometry",
         "nav_msgs/msg/Path",
+        "rcl_interfaces/msg/Log",
         "sensor_msgs/msg/BatteryState",
         "sensor_msgs/msg/LaserScan",
         "sensor_msgs/msg/Range",
@@ -32,7 +33,7 @@ TYPES = frozenset(
     }
 )
 # Topics of all robots together.
-SHARED = ("/tf", "/tf_static", "/diagnostics")
+SHARED = ("/tf", "/tf_static", "/diagnostics", "/rosout")
 MAX_TOPICS = 60
 
 

@@ -9,6 +9,7 @@ export const extension: Extension = {
   parts: {
     goalHead: RecordedPicture,
     goalCommands: RecordingButton,
+    goalPanels: lazyPart(() => import("./GoalLog")),
     linkedGoal: LinkedRecording,
     listedGoal: ListedPicture,
     replay: lazyPart(() => import("./replay")),

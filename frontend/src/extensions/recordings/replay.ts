@@ -1,28 +1,19 @@
 import type { Pose } from "@dock-gateway/client";
 import { useEffect } from "react";
 import type { Places, RecordedLayer } from "../../extension/extension";
-import { useFleet } from "../../fleet/context";
 import { SCENE_COLORS } from "../../scene/colors";
 import { type Point, place } from "../../store/geometry";
 import type { LayerPainter, Scheme } from "../../store/layers";
 import { lastUpTo } from "../../ui/crosshair";
-import { useAnswer } from "../../ui/requests";
-import { useRecording } from "./RecordingButton";
-import { type GoalReplay, replayOf } from "./requests";
+import type { GoalReplay } from "./requests";
+import { useReplay } from "./useReplay";
 
 /** What was recorded longer before a moment says nothing of it (s). */
 const OLD_S = 2;
 
 /** What the recording of a goal adds to its replay; null while it is not known, and without a recording. */
 export default function RecordedReplay({ goal, onLayer }: Places["replay"]): null {
-  const { http } = useFleet();
-  const size = useRecording(goal).data?.size_bytes ?? null;
-  const { data } = useAnswer({
-    queryKey: ["replay", goal.goal_id, size],
-    queryFn: () => replayOf(http, goal.goal_id),
-    enabled: size !== null,
-    staleTime: Number.POSITIVE_INFINITY,
-  });
+  const { data } = useReplay(goal);
   useEffect(() => {
     if (data === undefined) return;
     onLayer({ scene: new RecordedScans(data), readings: (moment) => readingsAt(data, moment) });

@@ -1,8 +1,9 @@
-import { act, screen } from "@testing-library/react";
+import { act, fireEvent, screen } from "@testing-library/react";
 import { expect, it, vi } from "vitest";
+import GoalLog, { mostTelling, readable } from "../../../src/extensions/recordings/GoalLog";
 import { LinkedRecording } from "../../../src/extensions/recordings/LinkedRecording";
 import { RecordedPicture, RecordingButton } from "../../../src/extensions/recordings/RecordingButton";
-import { recordingUrl, thumbnailUrl } from "../../../src/extensions/recordings/requests";
+import { type GoalReplay, recordingUrl, thumbnailUrl } from "../../../src/extensions/recordings/requests";
 import { goal, START } from "../../events";
 import { fakeGateway, renderWithin, robotServices } from "../../page";
 
@@ -67,6 +68,52 @@ it("is beside a link to a goal that has one, asked for once that is in sight", a
   expect(link.getAttribute("href")).toBe("/goals/a/recording.mcap");
   expect(asked).toEqual(["a", "b"]);
   expect(screen.getAllByRole("link")).toHaveLength(1);
+});
+
+const line = (number: number, level: GoalReplay["log"][number]["level"] = "info") => ({
+  offset_s: number,
+  level,
+  node: "robot1.docking_server",
+  text: `line ${number}`,
+});
+
+it("has the log of a goal that has ended: its last lines, what was warned of before, and all on demand", async () => {
+  const recording = { state: "complete", size_bytes: 12_000, picture: false, reason: null };
+  const log = [line(0), line(1, "error"), ...Array.from({ length: 20 }, (_, index) => line(index + 2))];
+  vi.stubGlobal("fetch", async (request: Request) =>
+    Response.json(
+      request.url.endsWith("/replay") ? { scans: [], velocity: [], battery: [], log } : { recording },
+    ),
+  );
+  const ended = goal("a", { status: "aborted", finished_at: new Date(START).toISOString() });
+  renderWithin(robotServices(fakeGateway()).fleet, <GoalLog goal={ended} />);
+  const items = async () => (await screen.findAllByRole("listitem")).map(({ textContent }) => textContent);
+  expect((await items())[0]).toBe("1.0 sError: line 1robot1.docking_server");
+  expect(await items()).toHaveLength(9);
+  fireEvent.click(screen.getByRole("button", { name: "Show all 22 lines" }));
+  expect(await items()).toHaveLength(22);
+});
+
+it("shows a short log as it is", () => {
+  const log = [line(0), line(1, "warning"), line(2)];
+  expect(mostTelling(log)).toEqual(log);
+});
+
+it("leaves out the goal's id, one line again and again, and what another line says, too", () => {
+  const log = [
+    { ...line(0), text: "Goal a: looking" },
+    { ...line(1), text: "NOT CHARGING" },
+    { ...line(2), text: "NOT CHARGING" },
+    { ...line(3, "error"), text: "Goal a aborted: no charge" },
+    { ...line(3.05, "error"), node: "robot1/docking", text: "no charge" },
+    { ...line(9), text: "no charge" },
+  ];
+  expect(readable(log, "a").map(({ text, times }) => [text, times])).toEqual([
+    ["looking", undefined],
+    ["NOT CHARGING", 2],
+    ["Goal aborted: no charge", undefined],
+    ["no charge", undefined],
+  ]);
 });
 
 it("asks the site on the page of one", () => {

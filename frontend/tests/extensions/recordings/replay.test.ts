@@ -9,6 +9,7 @@ const RECORDED: GoalReplay = {
   ],
   velocity: [{ offset_s: 1, linear: 0.25, angular: -0.5 }],
   battery: [{ offset_s: 1, voltage: 8.756, percentage: null }],
+  log: [],
 };
 
 describe("the recording of a goal in its replay", () => {
