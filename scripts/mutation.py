@@ -49,8 +49,15 @@ AREAS = {
         [f"tests/extensions/automation/test_{name}.py" for name in ("policy", "policy_properties", "schedule")],
     ),
     "missions": (
-        [f"dock_gateway/extensions/missions/{name}.py" for name in ("progress", "program")],
-        [f"tests/extensions/missions/test_{name}.py" for name in ("progress", "progress_properties", "program")],
+        [f"dock_gateway/extensions/missions/{name}.py" for name in ("progress", "program", "turns", "recharge")],
+        [
+            f"tests/extensions/missions/test_{name}.py"
+            for name in ("progress", "progress_properties", "program", "turns", "turns_properties", "recharge")
+        ],
+    ),
+    "chargers": (
+        ["dock_gateway/extensions/chargers/policy.py"],
+        [f"tests/extensions/chargers/test_{name}.py" for name in ("policy", "policy_properties")],
     ),
     "stop": (
         [f"dock_gateway/stop/{name}.py" for name in ("stopper", "order")],

@@ -193,7 +193,10 @@ def test_what_a_person_says() -> None:
     assert follow(unknown, seen(away=True), NOON) == unknown
     mine = stand(RESERVED, "/robot1", "Ada", NOON).hold
     assert mine is not None
-    assert (mine.goal_ids, mine.standing, mine.by) == (("goal",), True, "Ada")
+    assert (mine.robot, mine.goal_ids, mine.standing, mine.by) == ("/robot1", ("goal",), True, "Ada")
+    arrived = follow(DockRecord(hold=mine), seen(GoalState.SUCCEEDED), after(5)).hold
+    assert arrived is not None
+    assert (arrived.since_at, arrived.by) == (after(5), None), "it has been seen since"
 
 
 def test_there_is_a_limit_of_goals() -> None:
