@@ -33,7 +33,7 @@ INTERFACES := backend/action_tutorials_interfaces backend/tf2_msgs
 INTERFACE_SOURCES := $(shell find $(INTERFACES) -type f)
 TEST_INTERFACES := tests/interfaces
 TEST_INTERFACE_SOURCES := $(shell find $(TEST_INTERFACES) -type f) backend/action_tutorials_interfaces/wheel/pypi_prefix.cmake
-DASHBOARD_SOURCES := $(shell find frontend -path frontend/node_modules -prune -o -path frontend/dist -prune -o -path frontend/client/dist -prune -o -type f -print)
+DASHBOARD_SOURCES := $(shell find frontend -path frontend/node_modules -prune -o -path frontend/dist -prune -o -path frontend/client/dist -prune -o -type f -print) $(wildcard docs/*.md docs/extensions/*.md)
 
 .PHONY: help run setup test check without test-versions mutation chaos bench bench-docking bench-physics bench-sites bench-dashboard screenshots compare-screenshots docs format lock nav2-interfaces wheels test-wheels test-clients release interfaces-wheel colcon-workspace test-ros clean
 

@@ -24,6 +24,7 @@ COPY scripts/node-env scripts/build-dashboard scripts/
 # The packages first: they change less often than the pages.
 COPY frontend/package.json frontend/package-lock.json frontend/
 RUN bash -c '. scripts/node-env && cd frontend && npm ci --no-audit --no-fund --loglevel=error && touch node_modules/.stamp'
+COPY docs docs
 COPY frontend frontend
 RUN scripts/build-dashboard
 

@@ -16,7 +16,7 @@ const LAYERS = [
   ...["fleet", "extension", "access", "goal", "stop"],
   // Features.
   ...["battery", "docking", "scene", "actions", "goals", "operations", "entries", "approvals"],
-  ...["alerts", "notifications", "graph"],
+  ...["alerts", "notifications", "graph", "help"],
   // What puts features together.
   ...["pages/robot", "pages/overview", "pages/map", "pages/wall", "pages", "search", "layout"],
 ];

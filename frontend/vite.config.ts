@@ -1,5 +1,6 @@
 import react from "@vitejs/plugin-react";
 import { defineConfig } from "vitest/config";
+import { documentation } from "./documentation.ts";
 import openapi from "./openapi.json" with { type: "json" };
 import { precompress } from "./precompress.ts";
 
@@ -17,9 +18,10 @@ const apiPaths = new Set([
 ]);
 
 export default defineConfig({
-  plugins: [react(), precompress()],
+  plugins: [react(), documentation(), precompress()],
   resolve: { tsconfigPaths: true },
   server: {
+    fs: { allow: [".", "../docs"] },
     // The Host header is passed on as it is, so that the gateway's check of the Origin holds here too.
     proxy: {
       ...Object.fromEntries([...apiPaths].map((path) => [path, { target: gateway }])),

@@ -23,6 +23,7 @@ const sources: Sources = {
     { to: "/", name: "Overview" },
     { to: "/ui/goals", name: "Goals" },
   ],
+  help: [{ to: "/ui/help/stop#the-latch", title: "The latch", page: "Stop" }],
   live: true,
 };
 
@@ -48,6 +49,11 @@ describe("what is found", () => {
     expect(found("fibo")).toEqual(["Actions: /fibonacci"]);
     const [group] = find("hall", sources).filter(({ label }) => label === "Groups");
     expect(group?.items[0]?.does).toEqual({ to: "/?group=Hall%201" });
+  });
+
+  it("is a heading of the help, once enough of it is typed", () => {
+    expect(found("latch")).toEqual(["Help: The latch"]);
+    expect(found("la")).not.toEqual(expect.arrayContaining(["Help: The latch"]));
   });
 
   it("is a command where a verb is typed", () => {

@@ -45,3 +45,11 @@ def test_a_narrow_window(page: Page, gateway: RunningGateway, width: int) -> Non
     dock(page, gateway)
     assert find_violations(page) == []
     expect_no_sideways_scrolling(page)
+
+
+def test_the_help(page: Page) -> None:
+    page.get_by_role("link", name="Help: Docking", exact=True).click()
+    expect(page.get_by_role("heading", name="What the dock server does")).to_be_focused()
+    assert find_violations(page) == []
+    page.set_viewport_size({"width": 320, "height": 1000})
+    expect_no_sideways_scrolling(page)

@@ -38,7 +38,7 @@ export default function TokensPage() {
   };
   return (
     <Stack gap="md">
-      <PageTitle title="Tokens">
+      <PageTitle title="Tokens" help="access#limits">
         <ReasonButton reason={reason} onClick={() => setCreating(null)}>
           New token
         </ReasonButton>

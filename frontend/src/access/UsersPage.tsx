@@ -39,7 +39,7 @@ export default function UsersPage() {
   };
   return (
     <Stack gap="md">
-      <PageTitle title="Users">
+      <PageTitle title="Users" help="access#roles">
         <ReasonButton reason={reason} onClick={() => setEdited(null)}>
           New user
         </ReasonButton>

@@ -20,7 +20,7 @@ export default function ActionsPage() {
 
   return (
     <Stack gap="md">
-      <PageTitle title="Actions" />
+      <PageTitle title="Actions" help="api#send-a-goal" />
       <CommandErrorAlert command="Looking for actions" error={error} onClose={() => void refetch()} />
       <Section
         title="On the graph"

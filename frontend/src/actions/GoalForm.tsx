@@ -69,7 +69,11 @@ export function GoalForm({ action, shape, draft: state, onSent }: GoalFormProps)
 
   const found = useCallback(() => setSought(null), []);
   return (
-    <Section title="Goal" aside={<ModeSwitch state={state} label="Write the goal as" />}>
+    <Section
+      title="Goal"
+      help="dashboard#goals-as-json"
+      aside={<ModeSwitch state={state} label="Write the goal as" />}
+    >
       {shape.description !== null && <Text size="sm">{shape.description}</Text>}
       <form noValidate onSubmit={submit}>
         <Stack gap="md">

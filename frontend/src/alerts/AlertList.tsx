@@ -11,6 +11,7 @@ import { goalPath, robotPath } from "../fleet/names";
 import { believed } from "../store/batterySeries";
 import { Dialog } from "../ui/Dialog";
 import { CommandErrorAlert } from "../ui/errors";
+import { HelpLink } from "../ui/HelpLink";
 import { ReasonButton } from "../ui/ReasonButton";
 import { useCommand } from "../ui/requests";
 import { Time } from "../ui/Time";
@@ -45,9 +46,12 @@ export const AlertList = memo(function AlertList({ quiet = false, group = null }
   return (
     <Paper component="section" withBorder radius="md" className={classes.list} aria-labelledby={id}>
       <Group justify="space-between" gap="xs">
-        <Title order={2} size="h4" id={id}>
-          Alerts
-        </Title>
+        <Group gap={8}>
+          <Title order={2} size="h4" id={id}>
+            Alerts
+          </Title>
+          <HelpLink to="dashboard#alerts" about="Alerts" />
+        </Group>
         <Text size="sm" c={open === 0 ? "dimmed" : undefined}>
           {summary(open, items.length - open, group)}
         </Text>

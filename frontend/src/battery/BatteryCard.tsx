@@ -8,6 +8,7 @@ import { useRobotPart } from "../fleet/robot";
 import { useFreshness, useServices, useTopicPart } from "../store/context";
 import { RENDER_INTERVAL_MS } from "../store/streamStore";
 import { Fact, FactList } from "../ui/Fact";
+import { HelpLink } from "../ui/HelpLink";
 import { lazyPart } from "../ui/lazyPart";
 import { Section } from "../ui/Section";
 import { formatDuration } from "../ui/time";
@@ -55,6 +56,7 @@ export function BatteryCard() {
           <Title order={2} size="h4" id={id}>
             Battery
           </Title>
+          <HelpLink to="robots#battery" about="Battery" />
           <FreshnessBadge freshness={freshness} />
         </div>
         {known ? <Values old={freshness !== "live"} /> : <NoBattery live={freshness !== "offline"} />}
@@ -233,7 +235,7 @@ const BatteryPlots = lazyPart(() => import("./BatteryPlots"));
 
 export function BatteryPlotsCard() {
   return (
-    <Section title="Battery over time">
+    <Section title="Battery over time" help="dashboard#the-battery-over-days">
       <Suspense fallback={<Skeleton className={plotClasses.waiting} />}>
         <BatteryPlots />
       </Suspense>

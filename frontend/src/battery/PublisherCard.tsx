@@ -72,7 +72,7 @@ export function PublisherCard() {
   const whyNotStop = why ?? (active ? null : "Nothing is being published.");
 
   return (
-    <Section title="Publish a battery state">
+    <Section title="Publish a battery state" help="robots#battery">
       <PublisherStatus />
       <Group gap="xs" role="group" aria-label="Presets">
         {PRESETS.map((preset) => {

@@ -29,7 +29,7 @@ export function CalibrationCard() {
   const calibrate = useCommand(gateway.calibrate);
   if (data?.available !== true && calibrate.isIdle) return null;
   return (
-    <Section title="Calibrate dock">
+    <Section title="Calibrate dock" help="docking#calibration">
       <Text size="sm">
         Put the robot on its dock, so that it charges. The docking server then measures where the robot
         stands, as seen from the marker, and docks it there from now on.

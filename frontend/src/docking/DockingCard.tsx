@@ -17,7 +17,7 @@ export function DockingCard() {
   const others = goals.filter((each) => !isTerminal(each.status) && each !== running).length;
 
   return (
-    <Section title="Docking" aside={<ActionServerStatus />}>
+    <Section title="Docking" help="docking#what-the-dock-server-does" aside={<ActionServerStatus />}>
       <JoinHint />
       <DockingControls running={running} />
       {goal === null ? <NoGoal /> : <GoalPanel goal={goal} />}

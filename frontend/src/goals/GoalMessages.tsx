@@ -10,7 +10,7 @@ import { Section } from "../ui/Section";
 export function GoalMessages({ goal }: { goal: LiveGoal }) {
   const schemas = useSchemas(goal.action_type).data;
   return (
-    <Section title="Goal and result">
+    <Section title="Goal and result" help="api#a-goal">
       <NamedMessage
         title="Goal"
         value={goal.goal}

@@ -21,7 +21,7 @@ export default function GoalsPage() {
   const list = useGoalList(filter);
   return (
     <>
-      <PageTitle title="Goals">
+      <PageTitle title="Goals" help="history#stored-data-and-retention">
         <Group gap="xs">
           <SavedViews page="goals" query={goalFilter.write(filter).toString()} />
           <Downloads

@@ -20,7 +20,7 @@ export function NotesSection({ goalId }: { goalId: string }) {
   const reason =
     useWhyNot("POST /goals/{goal_id}/notes") ?? (change.isPending ? "The last change is being saved." : null);
   return (
-    <Section title="Notes">
+    <Section title="Notes" help="dashboard#notes-and-tags-on-goals">
       <Trouble what="The notes could not be loaded" error={error} onRetry={() => void refetch()} />
       {notes === null ? (
         error === null && <Skeleton height={110} />

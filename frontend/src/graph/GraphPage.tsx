@@ -9,6 +9,7 @@ import { useFleet } from "../fleet/context";
 import { useAddress } from "../ui/address";
 import { Command } from "../ui/CopyButton";
 import { CommandErrorAlert } from "../ui/errors";
+import { HelpLink } from "../ui/HelpLink";
 import { lazyPart } from "../ui/lazyPart";
 import { useAnswer } from "../ui/requests";
 import { usePageTitle } from "../ui/Section";
@@ -39,9 +40,12 @@ export default function GraphPage() {
   return (
     <Stack gap="sm" className={classes.wide}>
       <Group justify="space-between" gap="xs">
-        <Title order={1} size="h3">
-          Graph
-        </Title>
+        <Group gap={8}>
+          <Title order={1} size="h3">
+            Graph
+          </Title>
+          <HelpLink to="graph" about="Graph" />
+        </Group>
         <SegmentedControl
           aria-label="Show the graph as"
           data={FORMS}

@@ -26,8 +26,8 @@ export function Header() {
           <Navigation />
           <ConnectionStatus />
           <Group gap="sm" wrap="nowrap" className={classes.actions}>
-            <Anchor href="/docs" size="sm" className={classes.wide ?? ""}>
-              API
+            <Anchor component={Link} to="/ui/help" size="sm" className={classes.wide ?? ""}>
+              Help
             </Anchor>
             <NotificationsLink />
             <SearchButton />

@@ -1,5 +1,6 @@
 import { Anchor, Group, Kbd, Stack, Switch, Text, TextInput, Title } from "@mantine/core";
 import { Fragment, useState } from "react";
+import { Link } from "react-router";
 import { loginName, MAX_NAME, ownName, setOwnName } from "../access/who";
 import { useMenu } from "../pages/pages";
 import { TWICE_WITHIN_MS } from "../stop/keys";
@@ -64,9 +65,14 @@ export default function ShortcutList() {
         <Text size="sm">Times on every page:</Text>
         <ZoneSwitch />
       </Group>
-      <Anchor href="/docs" size="sm">
-        API documentation
-      </Anchor>
+      <Group gap="md">
+        <Anchor component={Link} to="/ui/help" size="sm">
+          Help
+        </Anchor>
+        <Anchor href="/docs" size="sm">
+          API documentation
+        </Anchor>
+      </Group>
     </Stack>
   );
 }

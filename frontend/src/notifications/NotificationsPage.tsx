@@ -12,7 +12,7 @@ import { SEVERITY_OPTIONS } from "./severities";
 export default function NotificationsPage() {
   return (
     <Stack gap="md">
-      <PageTitle title="Notifications" />
+      <PageTitle title="Notifications" help="dashboard#notifications-in-this-browser" />
       <ThisBrowser />
       <Parts at="notifications" />
     </Stack>

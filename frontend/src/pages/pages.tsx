@@ -8,6 +8,8 @@ import { lazyPart } from "../ui/lazyPart";
 import OverviewPage from "./overview/OverviewPage";
 import RobotPage from "./robot/RobotPage";
 
+const HelpPage = lazyPart(() => import("../help/HelpPage"));
+
 const lazy = (
   path: string,
   load: () => Promise<{ default: ComponentType }>,
@@ -40,6 +42,8 @@ const CORE: readonly Page[] = [
   lazy("/ui/notifications", () => import("../notifications/NotificationsPage"), {
     menu: { name: "Notifications", letter: "n", order: 80, button: true },
   }),
+  { path: "/ui/help/*", Page: HelpPage },
+  { path: "/ui/help", Page: HelpPage, menu: { name: "Help", letter: "h", order: 90, button: true } },
 ];
 
 /** The login is that of the server: the page of a site has none of its own. */

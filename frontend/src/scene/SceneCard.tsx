@@ -43,7 +43,7 @@ export function SceneCard() {
   const placeable = movable && placing.forbidden === null;
 
   return (
-    <Section title="Map" aside={<FreshnessBadge freshness={freshness} />}>
+    <Section title="Map" help="dashboard#maps" aside={<FreshnessBadge freshness={freshness} />}>
       <div className={classes.over}>
         <Parts at="placing" onPlacing={setPlacing} quiet />
       </div>

@@ -9,6 +9,7 @@ import { useActions } from "../actions/actions";
 import { createGoalsApi } from "../api/goals";
 import { useFleet, useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
 import { isThere } from "../fleet/words";
+import { HEADINGS } from "../help/headings";
 import { useOperate } from "../operations/context";
 import { useMenu } from "../pages/pages";
 import { useStopping } from "../stop/everywhere";
@@ -94,6 +95,9 @@ function Found({ query }: { query: string }) {
   );
 }
 
+/** The pages of the help first, then their headings. */
+const HELP = HEADINGS.toSorted((one, other) => one.level - other.level);
+
 /** What is found for a text, as the gateway tells it now. */
 function useFound(query: string) {
   const robots = useFleetTopic("robots");
@@ -110,6 +114,7 @@ function useFound(query: string) {
         actions: actions ?? [],
         goals,
         pages,
+        help: HELP,
         live,
       }),
     [query, robots, naming, actions, goals, pages, live],

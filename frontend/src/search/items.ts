@@ -17,6 +17,12 @@ interface ItemGroup {
   items: readonly Item[];
 }
 
+interface HelpItem {
+  to: string;
+  title: string;
+  page: string;
+}
+
 /** What is searched. */
 export interface Sources {
   robots: readonly Robot[];
@@ -25,11 +31,16 @@ export interface Sources {
   /** The goals whose id begins with what is typed. */
   goals: readonly LiveGoal[];
   pages: readonly { to: string; name: string }[];
+  /** The headings of the help. */
+  help: readonly HelpItem[];
   live: boolean;
 }
 
 /** The most results of each kind. */
 const MOST = 8;
+
+/** A text this short is in too many headings of the help. */
+const SHORT = 3;
 
 /** Robots that are found among so few are offered all commands. */
 const FEW = 3;
@@ -62,6 +73,7 @@ export function find(text: string, sources: Sources): ItemGroup[] {
       label: "Goals",
       items: sources.goals.slice(0, MOST).map((goal) => goalItem(goal, new Naming(sources.robots))),
     },
+    { label: "Help", items: wanted.length < SHORT ? [] : helpItems(sources.help, wanted) },
   ]);
 }
 
@@ -134,6 +146,18 @@ function groupItem(group: string): Item {
 
 function pageItem({ to, name }: { to: string; name: string }): Item {
   return { id: `page ${to}`, label: name, description: null, does: { to } };
+}
+
+function helpItems(help: readonly HelpItem[], wanted: string): Item[] {
+  return help
+    .filter(({ title }) => has(wanted)(title))
+    .slice(0, MOST)
+    .map(({ to, title, page }) => ({
+      id: `help ${to}`,
+      label: title,
+      description: `Help: ${page}`,
+      does: { to },
+    }));
 }
 
 function actionItems(actions: readonly ActionInfo[], wanted: string): Item[] {

@@ -1,24 +1,30 @@
 import { Group, Paper, Stack, Title } from "@mantine/core";
 import { createContext, type ReactNode, useContext, useEffect, useId } from "react";
 import { pageSite } from "../api/site";
+import { HelpLink } from "./HelpLink";
 
 interface SectionProps {
   title: string;
+  /** The heading of the documentation that explains it: `stop#release`. */
+  help?: string;
   /** What stands at the right of the title. */
   aside?: ReactNode;
   children: ReactNode;
 }
 
 /** A card of the page, as a landmark with its title. */
-export function Section({ title, aside, children }: SectionProps) {
+export function Section({ title, help, aside, children }: SectionProps) {
   const id = useId();
   return (
     <Paper component="section" withBorder radius="md" p={{ base: "md", sm: "lg" }} aria-labelledby={id}>
       <Stack gap="md">
         <Group justify="space-between" align="center" gap="xs">
-          <Title order={2} size="h4" id={id}>
-            {title}
-          </Title>
+          <Group gap={8} wrap="nowrap">
+            <Title order={2} size="h4" id={id}>
+              {title}
+            </Title>
+            {help !== undefined && <HelpLink to={help} about={title} />}
+          </Group>
           {aside}
         </Group>
         {children}
@@ -42,12 +48,15 @@ export function usePageTitle(title: string): void {
 }
 
 /** The title of a page, on it and in the browser's tab, with what stands at its right. */
-export function PageTitle({ title, children }: { title: string; children?: ReactNode }) {
+export function PageTitle({ title, help, children }: { title: string; help?: string; children?: ReactNode }) {
   usePageTitle(title);
   const heading = (
-    <Title order={1} size="h3">
-      {title}
-    </Title>
+    <Group gap={8} wrap="nowrap">
+      <Title order={1} size="h3">
+        {title}
+      </Title>
+      {help !== undefined && <HelpLink to={help} about={title} />}
+    </Group>
   );
   if (children === undefined) return heading;
   return (

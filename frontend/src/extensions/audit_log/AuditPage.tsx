@@ -29,7 +29,7 @@ export default function AuditPage() {
   const list = useRecords(filter);
   return (
     <Stack gap="md">
-      <PageTitle title="Audit">
+      <PageTitle title="Audit" help="extensions/audit_log#on-the-dashboard">
         {forbidden === null && (
           <Group gap="xs">
             <Button variant="default" size="compact-sm" disabled={list.loading} onClick={list.refetch}>

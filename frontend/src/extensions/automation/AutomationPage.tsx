@@ -30,7 +30,7 @@ export default function AutomationPage() {
   const close = () => setEdited(null);
   return (
     <Stack gap="md">
-      <PageTitle title="Automatic docking">
+      <PageTitle title="Automatic docking" help="extensions/automation#when-a-rule-docks-a-robot">
         <ReasonButton reason={reason} onClick={() => setEdited({ rule: null })}>
           New rule
         </ReasonButton>
@@ -99,6 +99,7 @@ function Decisions() {
   return (
     <Section
       title="Latest decisions"
+      help="extensions/automation#what-was-decided-and-why"
       aside={
         <Text size="sm" c="dimmed" role="status">
           {live ? "Live" : "Not live"}

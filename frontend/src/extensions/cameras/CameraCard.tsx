@@ -38,6 +38,7 @@ export function CameraCard({ robot }: { robot: string }) {
     <div className={classes.card}>
       <Section
         title="Camera"
+        help="extensions/cameras#on-the-dashboard"
         aside={
           <Group gap="sm">
             {known.length > 1 && (

@@ -25,7 +25,9 @@ export default function DocksPage() {
   );
   return (
     <Stack gap="md">
-      <PageTitle title="Docks">{docks !== undefined && docks.length > 0 && add}</PageTitle>
+      <PageTitle title="Docks" help="extensions/chargers#on-the-dashboard">
+        {docks !== undefined && docks.length > 0 && add}
+      </PageTitle>
       <Trouble what="The docks could not be loaded" error={error} onRetry={() => void refetch()} />
       {docks === undefined ? (
         error === null && <Skeleton height={110} role="status" aria-label="The docks are loading" />

@@ -105,7 +105,7 @@ export function MissionForm({ draft, onChange, edited = null }: MissionFormProps
           />
           <More draft={draft} error={errorAt(errors, "priority")} onChange={change} />
         </Section>
-        <Section title="Steps">
+        <Section title="Steps" help="extensions/missions#steps">
           <StepList
             steps={draft.steps}
             robot={robot}

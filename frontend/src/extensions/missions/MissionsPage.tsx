@@ -33,7 +33,7 @@ export default function MissionsPage() {
   const nothing = open?.length === 0 && past?.length === 0;
   return (
     <Stack gap="md">
-      <PageTitle title="Missions">
+      <PageTitle title="Missions" help="extensions/missions#on-the-dashboard">
         {forbidden === null && (
           <ReasonButton reason={reason} onClick={() => navigate("/ui/missions/new")}>
             New mission

@@ -36,7 +36,7 @@ export default function NewMissionPage() {
         <Anchor component={Link} to="/ui/missions" size="sm">
           All missions
         </Anchor>
-        <PageTitle title="New mission" />
+        <PageTitle title="New mission" help="extensions/missions#a-tour" />
       </div>
       <Trouble what="The mission could not be loaded" error={error} onRetry={() => void refetch()} />
       {draft === null ? (

@@ -17,6 +17,7 @@ export default function RobotQueue({ missions }: { missions: readonly Mission[] 
   return (
     <Section
       title="Mission"
+      help="extensions/missions#the-queue-of-a-robot"
       aside={
         <Anchor component={Link} to="/ui/missions" size="sm">
           All missions

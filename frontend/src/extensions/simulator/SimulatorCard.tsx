@@ -39,6 +39,7 @@ function Controls({ simulator }: { simulator: Simulator }) {
   return (
     <Section
       title="Simulator"
+      help="extensions/simulator"
       aside={<Text>{docked ? "docked" : simulator.contact ? "in contact" : "not docked"}</Text>}
     >
       <Group gap="sm">

@@ -9,7 +9,7 @@ const SERVE =
 /** How the first site is connected. */
 export function NoSites() {
   return (
-    <Section title="No site yet">
+    <Section title="No site yet" help="extensions/sites#connect-a-site">
       <Text size="sm">
         A site appears here by itself, as soon as its gateway is connected. A gateway connects to the same
         NATS servers as this hub; nothing has to reach the site from outside.

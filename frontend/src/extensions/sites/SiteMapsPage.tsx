@@ -18,7 +18,7 @@ export default function SiteMapsPage() {
   const sites = useMemo(() => bySite([...robots.values()].filter(isThere)), [robots]);
   return (
     <Stack gap="md">
-      <PageTitle title="Maps" />
+      <PageTitle title="Maps" help="extensions/sites#the-dashboard-of-a-hub" />
       {sites.length === 0 && <Text>No robot yet.</Text>}
       {sites.map(([site, robots]) => (
         <SiteMap key={site} site={site} robots={robots} />

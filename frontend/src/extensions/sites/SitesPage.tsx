@@ -24,7 +24,7 @@ export default function SitesPage() {
   const { data: sites, error, refetch } = useSites();
   return (
     <>
-      <PageTitle title="Sites" />
+      <PageTitle title="Sites" help="extensions/sites#the-dashboard-of-a-hub" />
       <Trouble what="The sites could not be loaded" error={error} onRetry={() => void refetch()} />
       {sites === undefined ? (
         error === null && <Skeleton height={240} role="status" aria-label="The sites are loading" />

@@ -19,6 +19,7 @@ export default function DockingTimeCard({ trend }: { trend: DockingTrend }) {
   return (
     <Section
       title="Docking time"
+      help="extensions/statistics#docking-time"
       aside={
         <Anchor component={Link} to={`/ui/statistics?${query}`} size="sm">
           Statistics
@@ -41,7 +42,7 @@ export function DockingTimes({ view }: { view: View }) {
   const naming = useNaming();
   if (data.length === 0) return null;
   return (
-    <Section title="Docking time, by week">
+    <Section title="Docking time, by week" help="extensions/statistics#docking-time">
       <Table verticalSpacing="xs" horizontalSpacing={8} className={classes.trends ?? ""}>
         <Table.Thead>
           <Table.Tr>

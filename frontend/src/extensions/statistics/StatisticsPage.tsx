@@ -31,7 +31,7 @@ export default function StatisticsPage() {
   const { data, error, isPlaceholderData, tooLong, live, refetch, dataUpdatedAt } = useStatistics(view);
   return (
     <Stack gap="md">
-      <PageTitle title="Statistics" />
+      <PageTitle title="Statistics" help="extensions/statistics#on-the-dashboard" />
       <Controls view={view} change={change} />
       <Trouble what="The statistics could not be loaded" error={error} onRetry={() => void refetch()} />
       {tooLong ? (

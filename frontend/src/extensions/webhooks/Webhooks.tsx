@@ -30,6 +30,7 @@ export default function Webhooks() {
   return (
     <Section
       title="Webhooks"
+      help="extensions/webhooks#set-one-up"
       aside={
         <ReasonButton size="compact-md" reason={reason} onClick={() => setEdited({ webhook: null })}>
           New webhook

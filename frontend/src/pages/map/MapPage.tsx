@@ -25,7 +25,7 @@ export default function MapPage() {
   const robots = useMemo(() => [...known.values()], [known]);
   return (
     <Stack gap="md">
-      <PageTitle title="Map" />
+      <PageTitle title="Map" help="dashboard#maps" />
       <RobotsMap title="Robots" scenes={scenes} robots={robots} />
     </Stack>
   );

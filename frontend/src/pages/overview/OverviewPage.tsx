@@ -112,7 +112,7 @@ function OverviewSkeleton() {
 function NoRobot() {
   const battery = `curl -sX PUT ${apiAddress()}/battery/publisher -d '{"state": {"voltage": 2.16, "percentage": 0.24, "power_supply_status": 3}, "rate_hz": 1}' -H 'Content-Type: application/json'`;
   return (
-    <Section title="No robot yet">
+    <Section title="No robot yet" help="troubleshooting">
       <Text size="sm">
         A robot appears here by itself, as soon as its docking action or its battery topic is on the ROS
         graph. The{" "}

@@ -28,7 +28,7 @@ export function CurlCard() {
   const goal = currentGoal(useTopic("courses"));
   const { required } = useSession();
   return (
-    <Section title="From a terminal">
+    <Section title="From a terminal" help="clients#in-ten-lines">
       {required && (
         <Text size="sm">
           Each needs a token, too: <Code>-H 'Authorization: Bearer dgw_…'</Code>

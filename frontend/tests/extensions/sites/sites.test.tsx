@@ -148,7 +148,9 @@ describe("the overview of a hub", () => {
       "Goals",
       "Statistics",
     ]);
-    expect(find("dock", { robots, groups: [], actions: [], goals: [], pages: [], live: true })).toEqual([]);
+    expect(
+      find("dock", { robots, groups: [], actions: [], goals: [], pages: [], help: [], live: true }),
+    ).toEqual([]);
   });
 
   it("says how the first site is connected", async () => {

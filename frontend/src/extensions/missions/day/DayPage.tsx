@@ -40,7 +40,7 @@ export default function DayPage() {
   const nothing = rows?.every(({ bars, next }) => bars.length === 0 && next === 0);
   return (
     <Stack gap="md">
-      <PageTitle title="Missions of today" />
+      <PageTitle title="Missions of today" help="extensions/missions#on-the-dashboard" />
       <MissionPages />
       <Trouble what="The missions could not be loaded" error={error} onRetry={refetch} />
       <Trouble
