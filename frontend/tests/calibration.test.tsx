@@ -40,8 +40,8 @@ describe("the calibration of a dock", () => {
     const cells = within(table).getAllByRole("cell");
     expect(cells.map(({ textContent }) => textContent?.replace("\u00a0", " "))).toEqual([
       "translation_x",
-      "-0.2003 m",
-      "-0.2600 m",
+      "−0.2003 m",
+      "−0.2600 m",
       "rotation_yaw",
       "0.0010 rad",
       "0.1000 rad",

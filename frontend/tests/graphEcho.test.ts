@@ -90,6 +90,6 @@ test("rates and sizes are short", () => {
     "640 B/s",
     "1.2 kB/s",
     "34 MB/s",
-    "2000 GB/s",
+    "2,000 GB/s",
   ]);
 });

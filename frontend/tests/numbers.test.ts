@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { alike, decimalsOf, fixed, NO_DIGITS, withNumber } from "../src/ui/numbers";
+import { alike, decimalsOf, fixed, NO_DIGITS, shortest, withNumber } from "../src/ui/numbers";
 import { axisNumbers } from "../src/ui/plotData";
 import { formatElapsed } from "../src/ui/time";
 
@@ -13,6 +13,16 @@ describe("numbers that are read together", () => {
     expect(together(9, 8.95, -0.5)).toEqual(["9.00", "8.95", "−0.50"]);
     expect(together(0, 1, 1, 2)).toEqual(["0", "1", "1", "2"]);
     expect(together(1234567, -1)).toEqual(["1234567", "−1"]);
+  });
+
+  it("have no more decimals than they need where they stand alone", () => {
+    expect([1.5, 12, 0.12345, -2, -0.0001].map((value) => shortest(value, 3))).toEqual([
+      "1.5",
+      "12",
+      "0.123",
+      "−2",
+      "0",
+    ]);
   });
 
   it("have no negative zero", () => {

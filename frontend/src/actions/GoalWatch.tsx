@@ -13,6 +13,7 @@ import { openStream, streamUrl } from "../stream/stream";
 import { CommandErrorAlert } from "../ui/errors";
 import { Fact, FactList } from "../ui/Fact";
 import { MessageTree } from "../ui/MessageTree";
+import { shortest } from "../ui/numbers";
 import { ReasonButton } from "../ui/ReasonButton";
 import { useCommand } from "../ui/requests";
 import { Section } from "../ui/Section";
@@ -217,7 +218,7 @@ function Sequence({
       >
         {numbers.slice(earlier).map((number, index) => (
           // biome-ignore lint/suspicious/noArrayIndexKey: a number is known by its place alone
-          <li key={earlier + index}>{number.toLocaleString()}</li>
+          <li key={earlier + index}>{shortest(number, 3)}</li>
         ))}
       </ol>
     </div>

@@ -1,3 +1,4 @@
+import { shortest } from "../ui/numbers";
 import { formatTime, formatter } from "../ui/time";
 
 /** The part of time that the plots show. */
@@ -75,8 +76,12 @@ export function formatMoment(timeS: number, nowS: number): string {
 
 /** `5 min`, `1 h`, `24 h`, `7 d` */
 export function formatSpan(spanS: number): string {
-  if (spanS < 120) return `${Number(spanS.toPrecision(2))} s`;
+  if (spanS < 120) return `${twoDigits(spanS)} s`;
   if (spanS < 7200) return `${Math.round(spanS / 60)} min`.replace(/^60 min$/, "1 h");
-  if (spanS <= 172_800) return `${Number((spanS / 3600).toPrecision(2))} h`;
-  return `${Number((spanS / 86_400).toPrecision(2))} d`;
+  if (spanS <= 172_800) return `${twoDigits(spanS / 3600)} h`;
+  return `${twoDigits(spanS / 86_400)} d`;
+}
+
+function twoDigits(value: number): string {
+  return shortest(Number(value.toPrecision(2)), 20);
 }

@@ -1,5 +1,5 @@
 import type { BatteryState, Implausible } from "@dock-gateway/client";
-import { fixed } from "../ui/numbers";
+import { fixed, shortest } from "../ui/numbers";
 
 /** sensor_msgs/BatteryState POWER_SUPPLY_STATUS_… */
 export const CHARGING = 1;
@@ -103,10 +103,10 @@ export function formatCells(values: readonly (number | null)[], unit: string): s
 
 /** `percentage is 12, but should be 0 to 1` */
 export function implausibleWords({ field, value, expected }: Implausible): string {
-  const number = typeof value === "number" ? shortest(value) : value;
+  const number = typeof value === "number" ? plausible(value) : value;
   return `${field} is ${number}, but should be ${expected}`;
 }
 
-function shortest(value: number): string {
-  return Math.abs(value) < 1e6 ? fixed(value, 3).replace(/\.?0+$/, "") : value.toPrecision(6);
+function plausible(value: number): string {
+  return Math.abs(value) < 1e6 ? shortest(value, 3) : value.toPrecision(6);
 }

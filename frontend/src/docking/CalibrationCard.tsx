@@ -9,6 +9,7 @@ import { useLive, useServices, useTopic } from "../store/context";
 import { CopyButton } from "../ui/CopyButton";
 import { Dialog, QuestionBar } from "../ui/Dialog";
 import { CommandErrorAlert } from "../ui/errors";
+import { fixed } from "../ui/numbers";
 import { ReasonButton } from "../ui/ReasonButton";
 import { useCommand } from "../ui/requests";
 import { Section } from "../ui/Section";
@@ -126,5 +127,5 @@ function Result({ calibration: { parameters, yaml } }: { calibration: Calibratio
 }
 
 function numberWords(name: string, value: number): string {
-  return `${value.toFixed(4)}\u00a0${name.includes("rotation") ? "rad" : "m"}`;
+  return `${fixed(value, 4)}\u00a0${name.includes("rotation") ? "rad" : "m"}`;
 }

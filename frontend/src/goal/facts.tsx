@@ -2,6 +2,7 @@ import type { GoalStatus, LiveGoal } from "@dock-gateway/client";
 import { Alert, Badge, Text } from "@mantine/core";
 import { useAtTime } from "../clock/clock";
 import { useFleetLive } from "../fleet/context";
+import { fixed } from "../ui/numbers";
 import { sentence } from "../ui/text";
 import classes from "./goal.module.css";
 import { advice, durationWords, type Lifetime, type Meant, meaning, STATUS_COLORS } from "./words";
@@ -22,7 +23,10 @@ interface FeedbackCountProps {
 
 /** How many feedback messages have come, and how fast they come: a text of its own, which changes with each. */
 export function FeedbackCount({ count, arrivals }: FeedbackCountProps) {
-  const perSecond = useAtTime((now) => (arrivals === null ? "" : (rate(arrivals, now)?.toFixed(1) ?? "")));
+  const perSecond = useAtTime((now) => {
+    const hz = arrivals === null ? null : rate(arrivals, now);
+    return hz === null ? "" : fixed(hz, 1);
+  });
   return `${count} ${count === 1 ? "message" : "messages"}${perSecond === "" ? "" : `, ${perSecond} Hz`}`;
 }
 

@@ -1,5 +1,6 @@
 import type { ConnectionInput, components } from "@dock-gateway/client";
 import { type Connection, initialConnection, nextConnection } from "../stream/connection";
+import { shortest } from "../ui/numbers";
 
 /** What `/ws/topics` sends. */
 export type EchoEvent = components["schemas"]["EchoEvent"];
@@ -73,7 +74,7 @@ export function describeCuts({ lengths }: EchoMessage): string {
 
 /** `12.5 Hz`, `0.5 Hz`. */
 export function formatRate(hz: number): string {
-  return `${hz >= 100 ? Math.round(hz) : Number(hz.toPrecision(3))} Hz`;
+  return `${shortest(hz >= 100 ? Math.round(hz) : Number(hz.toPrecision(3)), 20)} Hz`;
 }
 
 /** `640 B/s`, `1.2 kB/s`, `34 MB/s`. */
@@ -83,5 +84,5 @@ export function formatBytes(bytesPerSecond: number): string {
     if (amount < 1000) break;
     [amount, unit] = [amount / 1000, larger];
   }
-  return `${amount >= 100 || unit === "B" ? Math.round(amount) : Number(amount.toPrecision(2))} ${unit}/s`;
+  return `${shortest(amount >= 100 || unit === "B" ? Math.round(amount) : Number(amount.toPrecision(2)), 20)} ${unit}/s`;
 }

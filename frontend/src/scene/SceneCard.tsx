@@ -15,6 +15,7 @@ import type { CmdVel } from "../store/state";
 import { RENDER_INTERVAL_MS } from "../store/streamStore";
 import { CommandErrorAlert } from "../ui/errors";
 import { lazyPart } from "../ui/lazyPart";
+import { shortest } from "../ui/numbers";
 import { useCommand } from "../ui/requests";
 import { Section } from "../ui/Section";
 import { lowerFirst } from "../ui/text";
@@ -230,16 +231,14 @@ function velocityWords({ twist, receivedAt }: CmdVel, freshness: Freshness, now:
   return freshness === "live" ? words : `none for ${formatDuration(now - receivedAt)} (last: ${words})`;
 }
 
-const number = new Intl.NumberFormat(undefined, { maximumFractionDigits: 3 });
-
 /** A velocity command in words: `forward 0.10 m/s, turning left 0.15 rad/s`. */
 export function describeVelocity(twist: Twist): string {
   const parts: string[] = [];
   const { x, y } = twist.linear;
   const turn = twist.angular.z;
   if (x === null || y === null || turn === null) return "not a number";
-  if (x !== 0) parts.push(`${x > 0 ? "forward" : "backward"} ${number.format(Math.abs(x))} m/s`);
-  if (y !== 0) parts.push(`${y > 0 ? "left" : "right"} ${number.format(Math.abs(y))} m/s`);
-  if (turn !== 0) parts.push(`turning ${turn > 0 ? "left" : "right"} ${number.format(Math.abs(turn))} rad/s`);
+  if (x !== 0) parts.push(`${x > 0 ? "forward" : "backward"} ${shortest(Math.abs(x), 3)} m/s`);
+  if (y !== 0) parts.push(`${y > 0 ? "left" : "right"} ${shortest(Math.abs(y), 3)} m/s`);
+  if (turn !== 0) parts.push(`turning ${turn > 0 ? "left" : "right"} ${shortest(Math.abs(turn), 3)} rad/s`);
   return parts.length === 0 ? "standing still" : parts.join(", ");
 }

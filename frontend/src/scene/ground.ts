@@ -1,5 +1,6 @@
 import type { Point, Size, View } from "../store/geometry";
 import type { GroundPicture } from "../store/layers";
+import { fixed } from "../ui/numbers";
 import type { SceneColors } from "./colors";
 import { gridStep, toScreen, toWorld } from "./view";
 
@@ -91,7 +92,7 @@ export function drawGrid(
   const { view, size, colors } = drawing;
   const step = gridStep(view.scale, 44);
   const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
-  const metres = (value: number) => value.toFixed(decimals).replace("-", "\u2212");
+  const metres = (value: number) => fixed(value, decimals);
   const { x: left, y: top } = toWorld(view, size, { x: 0, y: 0 });
   const { x: right, y: bottom } = toWorld(view, size, { x: size.width, y: size.height });
   const columns = steps(left, right, step).map((column) => ({

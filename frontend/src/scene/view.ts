@@ -1,5 +1,6 @@
 import type { Point, Size, View } from "../store/geometry";
 import { keep, readKept } from "../ui/kept";
+import { shortest } from "../ui/numbers";
 
 /** A map of 200 m fits into a picture. */
 const MIN_SCALE = 2;
@@ -99,7 +100,7 @@ export function gridStep(scale: number, apart: number): number {
 
 /** A length in the unit that suits it: `50 cm`, `2 m`. */
 export function formatLength(metres: number): string {
-  return metres < 1 ? `${Math.round(metres * 100)} cm` : `${metres} m`;
+  return metres < 1 ? `${Math.round(metres * 100)} cm` : `${shortest(metres, 3)} m`;
 }
 
 /** A canvas with the resolution of the screen, to be drawn on in CSS pixels; null while it has no size. */

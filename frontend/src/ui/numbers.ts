@@ -1,14 +1,24 @@
-const formats = new Map<number, Intl.NumberFormat>();
+// Numbers that are measured are written as people do where the browser is from: `1,5` in German. The values of messages
+// are written as ROS tools do, by `alike`.
+
+const formats = new Map<string, Intl.NumberFormat>();
 
 /** A number with always as many decimals, so that it does not jitter: no negative zero, and a minus sign as wide as a digit. */
 export function fixed(value: number, decimals: number): string {
-  let format = formats.get(decimals);
+  return written(value, decimals, decimals);
+}
+
+/** A number with as many decimals as it needs, up to some: `1.5`, `2`. */
+export function shortest(value: number, decimals: number): string {
+  return written(value, 0, decimals);
+}
+
+function written(value: number, least: number, most: number): string {
+  const key = `${least} ${most}`;
+  let format = formats.get(key);
   if (format === undefined) {
-    format = new Intl.NumberFormat(undefined, {
-      minimumFractionDigits: decimals,
-      maximumFractionDigits: decimals,
-    });
-    formats.set(decimals, format);
+    format = new Intl.NumberFormat(undefined, { minimumFractionDigits: least, maximumFractionDigits: most });
+    formats.set(key, format);
   }
   return minusSign(format.format(value));
 }

@@ -1,3 +1,4 @@
+import { fixed } from "./numbers";
 import { shownZone, type Zone } from "./zone";
 
 const second = { hour: "2-digit", minute: "2-digit", second: "2-digit" } as const;
@@ -46,7 +47,7 @@ export function formatExact(ms: number): string {
 /** `0.4 s`, `12 s`, `3 min 05 s`, `2 h 07 min`. */
 export function formatDuration(ms: number): string {
   const seconds = Math.max(0, ms) / 1000;
-  if (seconds < 10) return `${seconds.toFixed(1)} s`;
+  if (seconds < 10) return `${fixed(seconds, 1)} s`;
   const whole = Math.floor(seconds);
   if (whole < 60) return `${whole} s`;
   if (whole < 3600) return `${Math.floor(whole / 60)} min ${two(whole % 60)} s`;
@@ -56,12 +57,12 @@ export function formatDuration(ms: number): string {
 
 /** Since the beginning of something: `0.25 s`, `1:05.00`, `1:02:05`. */
 export function formatElapsed(seconds: number, decimals: number): string {
-  const text = Math.abs(seconds).toFixed(decimals);
-  const sign = seconds < 0 && Number(text) > 0 ? "−" : "";
-  const whole = Math.floor(Number(text));
-  if (whole < 60) return `${sign}${text} s`;
-  const [, fraction] = text.split(".");
-  const rest = `${two(whole % 60)}${fraction === undefined ? "" : `.${fraction}`}`;
+  const rounded = Number(Math.abs(seconds).toFixed(decimals));
+  const sign = seconds < 0 && rounded > 0 ? "−" : "";
+  const whole = Math.floor(rounded);
+  if (whole < 60) return `${sign}${fixed(rounded, decimals)} s`;
+  const fraction = fixed(rounded - whole, decimals).slice(1);
+  const rest = `${two(whole % 60)}${fraction}`;
   const minutes = Math.floor(whole / 60);
   if (minutes < 60) return `${sign}${minutes}:${rest}`;
   return `${sign}${Math.floor(minutes / 60)}:${two(minutes % 60)}:${rest}`;

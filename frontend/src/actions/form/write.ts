@@ -1,4 +1,5 @@
 import { type Json, type JsonObject, same } from "../../api/jsonSchema";
+import { shortest } from "../../ui/numbers";
 import { base64Length, type Parsed, parseNumber, splitNumbers } from "./numbers";
 import { initialOf } from "./read";
 import type {
@@ -144,7 +145,7 @@ const BYTE = { kind: "integer", low: 0n, high: 255n, wide: false, choices: [] } 
 
 /** `3 numbers`, `at most 8 items`, `at least 1 byte`; empty where any number of them is fine. */
 export function lengthWords({ low, high }: Length, item: string): string {
-  const many = (count: number) => `${count.toLocaleString()} ${item}${count === 1 ? "" : "s"}`;
+  const many = (count: number) => `${shortest(count, 0)} ${item}${count === 1 ? "" : "s"}`;
   if (low === high) return many(low);
   if (low === 0) return Number.isFinite(high) ? `at most ${many(high)}` : "";
   return Number.isFinite(high) ? `${low} to ${many(high)}` : `at least ${many(low)}`;

@@ -6,6 +6,7 @@ import { useAtTime } from "../../clock/clock";
 import { useFleet } from "../../fleet/context";
 import { useServices } from "../../store/context";
 import { Breakable } from "../../ui/Fact";
+import { fixed } from "../../ui/numbers";
 import { watchSight } from "../../ui/sight";
 import { formatDuration } from "../../ui/time";
 import classes from "./cameras.module.css";
@@ -134,7 +135,7 @@ export function waitingWords({ since, last, failure }: Seen, hint: string | null
   const why = failure ?? hint;
   if (why !== null) return why;
   if (shown === null && now - since <= STALE_MS) return "Waiting for a picture…";
-  return `No picture for ${formatDuration(Math.round((now - (shown ?? since)) / 1000) * 1000).replace(".0", "")}`;
+  return `No picture for ${formatDuration(Math.round((now - (shown ?? since)) / 1000) * 1000).replace(/\D0(?= s$)/, "")}`;
 }
 
 /** How often pictures come, how old the last one is, and its size. */
@@ -143,5 +144,5 @@ export function factWords({ last, arrivals }: Seen, now: number, steady: number)
   const recent = arrivals.filter((at) => steady - at <= WINDOW_MS);
   const [first] = recent;
   const hz = first === undefined ? 0 : (1000 * (recent.length - 1)) / Math.max(1, steady - first);
-  return `${hz.toFixed(1)} Hz · ${formatDuration(now - last.receivedAt)} old · ${last.width} × ${last.height} · `;
+  return `${fixed(hz, 1)} Hz · ${formatDuration(now - last.receivedAt)} old · ${last.width} × ${last.height} · `;
 }

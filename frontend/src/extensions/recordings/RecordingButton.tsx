@@ -1,6 +1,7 @@
 import { isTerminal, type LiveGoal } from "@dock-gateway/client";
 import { Button } from "@mantine/core";
 import { useFleet } from "../../fleet/context";
+import { fixed } from "../../ui/numbers";
 import { ReasonButton } from "../../ui/ReasonButton";
 import { useAnswer } from "../../ui/requests";
 import { GoalPicture } from "./GoalPicture";
@@ -46,5 +47,5 @@ export function RecordingButton({ goal }: { goal: LiveGoal }) {
 
 /** `12 kB`, `3.4 MB`. */
 export function sizeText(bytes: number): string {
-  return bytes < 1_000_000 ? `${Math.ceil(bytes / 1000)} kB` : `${(bytes / 1_000_000).toFixed(1)} MB`;
+  return bytes < 1_000_000 ? `${Math.ceil(bytes / 1000)} kB` : `${fixed(bytes / 1_000_000, 1)} MB`;
 }

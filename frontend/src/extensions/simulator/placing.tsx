@@ -3,6 +3,7 @@ import { useEffect } from "react";
 import { useForbidden } from "../../api/session";
 import type { Places } from "../../extension/extension";
 import { useFreshness, useScene, useServices, useTopicPart } from "../../store/context";
+import { fixed } from "../../ui/numbers";
 import { useSimulatorApi } from "./requests";
 
 /** Places a simulated robot, and says where its time passes more slowly than it should. */
@@ -21,7 +22,7 @@ export function SimulatedPlacing({ onPlacing }: Places["placing"]) {
   );
   return speed === null ? null : (
     <Text size="sm" role="status" p="xs" bg="body">
-      The machine is too slow for the simulation, whose time runs at {speed.toFixed(2)} of real time:
+      The machine is too slow for the simulation, whose time runs at {fixed(speed, 2)} of real time:
       everything takes longer.
     </Text>
   );
