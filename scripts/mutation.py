@@ -49,11 +49,8 @@ AREAS = {
         [f"tests/extensions/automation/test_{name}.py" for name in ("policy", "policy_properties", "schedule")],
     ),
     "missions": (
-        [f"dock_gateway/extensions/missions/{name}.py" for name in ("progress", "program", "turns", "recharge")],
-        [
-            f"tests/extensions/missions/test_{name}.py"
-            for name in ("progress", "progress_properties", "program", "turns", "turns_properties", "recharge")
-        ],
+        [f"dock_gateway/extensions/missions/{name}.py" for name in ("progress", "program")],
+        [f"tests/extensions/missions/test_{name}.py" for name in ("progress", "progress_properties", "program")],
     ),
     "chargers": (
         ["dock_gateway/extensions/chargers/policy.py"],

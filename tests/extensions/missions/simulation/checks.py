@@ -6,7 +6,6 @@ A gateway's own words, which are the stored missions, are compared with that.
 from collections import Counter, defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
-from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
 from dock_gateway.core.goal import GoalStatus
@@ -39,9 +38,9 @@ class Place:
     repeated: bool
 
 
-def _turn(mission: MissionEntry) -> tuple[int, datetime]:
-    """Return what the queue of a robot is sorted by."""
-    return -mission.priority, mission.created_at
+def _turn(mission: MissionEntry) -> tuple[int, int]:
+    """Return what the queue of a robot is sorted by: of two that were queued at once, the first that was stored."""
+    return -mission.priority, mission.order
 
 
 class Checks:
