@@ -226,6 +226,10 @@ class Settings(LimitSettings, HistorySettings, RobotSettings, AccessSettings, Se
         under = self.namespace if namespace is None else namespace
         return name if name.startswith("/") else f"/{under.strip('/')}/{name}".replace("//", "/")
 
+    def own_or_shared(self, name: str, namespace: str) -> list[str]:
+        """The absolute names of a robot's own topic, and of the one that all robots share if it has none of its own."""
+        return list(dict.fromkeys((self.resolve(name, namespace), self.resolve(name, "/"))))
+
 
 def _named(namespace: str, patterns: tuple[str, ...]) -> bool:
     """Return whether a robot is one of those that a setting names."""

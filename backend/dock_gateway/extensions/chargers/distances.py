@@ -44,20 +44,19 @@ class Distances:
         Raises:
             GatewayError: The graph cannot be read.
         """
-        names = list(dict.fromkeys(self._settings.resolve("tf", where) for where in (robot, "/")))
+        names = self._settings.own_or_shared("tf", robot)
         topic = await find_topic(self._graph, names, TRANSFORMS, suffixes=("", STATIC))
         if not await published_types(self._graph, topic, f"{topic}{STATIC}"):
             return {}
         # Robots that share a topic have frames of their own.
         bases = (BASE, f"{robot.strip('/')}/{BASE}")
-        frames, found = Frames(self._relays, self._graph, topic), dict[str, float]()
+        frames = Frames(self._relays, self._graph, topic)
         until = time.monotonic() + WITHIN
         try:
             await frames.check()
             while True:
-                found = {
-                    name: far for name, pose in docks.items() if (far := _distance(frames, bases, pose)) is not None
-                }
+                distances = {name: _distance(frames, bases, pose) for name, pose in docks.items()}
+                found = {name: distance for name, distance in distances.items() if distance is not None}
                 if len(found) == len(docks) or time.monotonic() > until:
                     return found
                 await asyncio.sleep(LOOK)

@@ -1,7 +1,7 @@
 """Who gets a shared dock, and when it is free again. Pure: facts in, records out; no I/O, and no clock of its own.
 
-A dock has one record, which is stored only if nobody else has changed it meanwhile: that one robot has a dock is one
-decision, however many gateways there are.
+Each dock has one record. A change is stored only if the record is still the one that was read, so that several
+gateways cannot give a dock to two robots.
 """
 
 import math
@@ -64,7 +64,7 @@ class Obstacle(StrEnum):
 
 @dataclass(frozen=True)
 class Ask:
-    """A robot that asks for one of some docks."""
+    """A robot's request for one of several docks."""
 
     robot: str
     docks: Sequence[str]
@@ -72,7 +72,7 @@ class Ask:
 
 
 def obstacle(ask: Ask, dock: DockEntry | None, record: DockRecord) -> Obstacle | None:
-    """Return why a robot cannot have a dock now, whoever else waits; None if it can. None is a dock of its own."""
+    """Return why a robot cannot have a dock now, apart from the queue; None if it can. A dock of None is not shared."""
     if dock is None:
         return None
     if not dock.robots.covers(ask.robot, ask.groups):
@@ -95,7 +95,7 @@ def choices(
     *,
     by_charge: bool = False,
 ) -> tuple[list[str], dict[str, Obstacle]]:
-    """Return the docks of which a robot may get one now, and why it gets none of the others.
+    """Return the docks that a robot may have now, and for each of the others the reason why not.
 
     Args:
         ask: Which it would take.
@@ -152,7 +152,7 @@ def is_waiting(wait: WaitEntry, now: datetime) -> bool:
 def waits_for(ask: Ask, docks: Mapping[str, DockEntry], known: Mapping[str, WaitEntry], now: datetime) -> WaitEntry:
     """Return the entry of a robot that has asked, and waits.
 
-    Its place is the first one of those docks at which nobody else waits, and stays the same as long as it waits.
+    It waits at the first free waiting place of these docks, and keeps that place until it waits no more.
 
     Args:
         ask: What it would take.
@@ -250,7 +250,7 @@ def stand(record: DockRecord, robot: str | None, by: str | None, now: datetime) 
 
 
 def left(record: DockRecord, running: Collection[str], now: datetime) -> DockRecord | None:
-    """Return the record of a dock where nobody stands, as a person says; None while a goal drives a robot there."""
+    """Return the record after a person reported the dock empty; None while a goal drives a robot there."""
     if record.hold is not None and any(goal_id in running for goal_id in record.hold.goal_ids):
         return None
     return record.model_copy(update={"hold": None, "cleared_at": now})

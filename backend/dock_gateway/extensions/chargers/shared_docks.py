@@ -176,8 +176,9 @@ class SharedDocks:
             free, obstacles = policy.choices(ask, self.book.all(), records, waits, now, by_charge=self.by_charge)
             if not free:
                 break
-            if len(free) > 1 and distances is None:
-                distances = await self._measure(ask.robot, {name: pose for name in free if (pose := docks[name])})
+            placed = {name: pose for name in free if (pose := docks[name]) is not None}
+            if len(placed) > 1 and distances is None:
+                distances = await self._measure(ask.robot, placed)
                 continue  # it takes a moment, in which others may have come
             dock_id = policy.best(ask, free, records, distances or {})
             if dock_id not in self.book.all():
@@ -196,9 +197,9 @@ class SharedDocks:
         raise refusal
 
     async def _measure(self, robot: str, docks: Mapping[str, DockPose]) -> dict[str, float]:
-        """Return how far a robot is from docks, of those for which that is known; one alone is no question."""
+        """Return how far a robot is from docks, of those for which that is known."""
         try:
-            return await self._distances.measure(robot, docks) if len(docks) > 1 else {}
+            return await self._distances.measure(robot, docks)
         except GatewayError as error:
             log.warning("which dock is the nearest to %s is not known: %s", robot, error.detail)
             return {}

@@ -80,8 +80,8 @@ class Surroundings:
         self._graph = graph
         self._robot = robot
         topics = settings.of(MapSettings)
-        self._map_names = _names(settings, topics.map_topic, robot)
-        self._frame_names = _names(settings, "tf", robot)
+        self._map_names = settings.own_or_shared(topics.map_topic, robot)
+        self._frame_names = settings.own_or_shared("tf", robot)
         self._feeds = feeds
         self._pool = frames
         self._frames: Frames | None = None
@@ -244,8 +244,3 @@ def _nothing(hint: str | None) -> dict[str, Any]:
 def _flat(transform: Transform) -> Pose:
     x, y, _ = transform.translation
     return Pose.in_plane(x, y, transform.rotation)
-
-
-def _names(settings: Settings, name: str, robot: str) -> list[str]:
-    """Return the robot's own topic, and the one that all robots share if it has none."""
-    return list(dict.fromkeys((settings.resolve(name, robot), settings.resolve(name, "/"))))
