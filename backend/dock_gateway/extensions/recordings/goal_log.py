@@ -1,7 +1,10 @@
 """The lines that nodes of a robot logged while a goal ran, and what its diagnostics warned of."""
 
 from collections import deque
+from itertools import islice
 from typing import Any
+
+from robot_io.recording import Sample
 
 LOG, DIAGNOSTICS = "rcl_interfaces/msg/Log", "diagnostic_msgs/msg/DiagnosticArray"
 # The levels of a line and of a diagnosis, in words. Lines for debugging are left out.
@@ -28,21 +31,22 @@ class GoalLog:
         self._troubles: deque[dict[str, Any]] = deque(maxlen=MOST_LINES)
         self._levels: dict[str, int] = {}
 
-    def take(self, offset_s: float, message: Any, topic: str) -> None:
+    def take(self, sample: Sample, message: Any, offset_s: float) -> None:
         """Take a line, or diagnoses, of which those count that are worse or better than before.
 
         Args:
+            sample: The recorded message, of the type `LOG` or `DIAGNOSTICS`.
+            message: The same, decoded.
             offset_s: When it came, in seconds since the goal began.
-            message: An `rcl_interfaces/Log` or a `diagnostic_msgs/DiagnosticArray`.
-            topic: Where it was published; on `/diagnostics` all robots do.
         """
-        if not hasattr(message, "status"):
+        if sample.kind == LOG:
             level = LINE_LEVELS.get(message.level)
             if offset_s >= 0 and level is not None and self._is_ours(message.name, "."):
                 self._add(offset_s, level, message.name, message.msg)
             return
+        shared = sample.topic.count("/") == 1  # `/diagnostics`, where all robots publish
         for status in message.status:
-            if topic.count("/") > 1 or self._is_ours(status.name.strip("/"), "/"):
+            if not shared or self._is_ours(status.name.strip("/"), "/"):
                 self._take_diagnosis(offset_s, status)
 
     def _take_diagnosis(self, offset_s: float, status: Any) -> None:
@@ -62,6 +66,5 @@ class GoalLog:
 
     def lines(self) -> list[dict[str, Any]]:
         """Return the lines, the first first."""
-        room = MOST_LINES - len(self._troubles)
-        shown = [*self._troubles, *list(self._lines)[len(self._lines) - min(room, len(self._lines)) :]]
-        return sorted(shown, key=lambda line: line["offset_s"])
+        surplus = max(0, len(self._troubles) + len(self._lines) - MOST_LINES)
+        return sorted([*self._troubles, *islice(self._lines, surplus, None)], key=lambda line: line["offset_s"])

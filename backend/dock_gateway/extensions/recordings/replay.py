@@ -74,7 +74,7 @@ class Replay:
                 self._used_ns["odometry"] = sample.received_ns
                 self._base = frame_name(self._decoded(sample).child_frame_id) or self._base
         elif sample.kind in (LOG, DIAGNOSTICS):
-            self._log.take(self._offset(sample), self._decoded(sample), sample.topic)
+            self._log.take(sample, self._decoded(sample), self._offset(sample))
         else:
             self._show(sample)
 
