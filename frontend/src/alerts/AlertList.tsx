@@ -1,5 +1,5 @@
 import type { Alert } from "@dock-gateway/client";
-import { Anchor, Button, Group, Paper, Stack, Text, TextInput, Title } from "@mantine/core";
+import { Anchor, Button, Group, Paper, Stack, Text, TextInput } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { type FormEvent, Fragment, memo, useId, useMemo, useState } from "react";
 import { Link } from "react-router";
@@ -11,9 +11,9 @@ import { goalPath, robotPath } from "../fleet/names";
 import { believed } from "../store/batterySeries";
 import { Dialog } from "../ui/Dialog";
 import { CommandErrorAlert } from "../ui/errors";
-import { HelpLink } from "../ui/HelpLink";
 import { ReasonButton } from "../ui/ReasonButton";
 import { useCommand } from "../ui/requests";
+import { Heading } from "../ui/Section";
 import { Time } from "../ui/Time";
 import classes from "./alerts.module.css";
 import { SeverityMark } from "./marks";
@@ -46,12 +46,7 @@ export const AlertList = memo(function AlertList({ quiet = false, group = null }
   return (
     <Paper component="section" withBorder radius="md" className={classes.list} aria-labelledby={id}>
       <Group justify="space-between" gap="xs">
-        <Group gap={8}>
-          <Title order={2} size="h4" id={id}>
-            Alerts
-          </Title>
-          <HelpLink to="dashboard#alerts" about="Alerts" />
-        </Group>
+        <Heading order={2} id={id} title="Alerts" help="dashboard#alerts" />
         <Text size="sm" c={open === 0 ? "dimmed" : undefined}>
           {summary(open, items.length - open, group)}
         </Text>

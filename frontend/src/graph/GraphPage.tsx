@@ -1,5 +1,5 @@
 import type { ClientError } from "@dock-gateway/client";
-import { Code, Group, Paper, SegmentedControl, Skeleton, Stack, Text, Title } from "@mantine/core";
+import { Code, Group, Paper, SegmentedControl, Skeleton, Stack, Text } from "@mantine/core";
 import { useMediaQuery } from "@mantine/hooks";
 import { type UseQueryResult, useQuery, useQueryClient } from "@tanstack/react-query";
 import { Suspense, useDeferredValue, useMemo } from "react";
@@ -9,10 +9,9 @@ import { useFleet } from "../fleet/context";
 import { useAddress } from "../ui/address";
 import { Command } from "../ui/CopyButton";
 import { CommandErrorAlert } from "../ui/errors";
-import { HelpLink } from "../ui/HelpLink";
 import { lazyPart } from "../ui/lazyPart";
 import { useAnswer } from "../ui/requests";
-import { usePageTitle } from "../ui/Section";
+import { Heading, usePageTitle } from "../ui/Section";
 import { DetailsPane } from "./DetailsPane";
 import { filterGraph, searchGraph } from "./filter";
 import { GraphFilters } from "./GraphFilters";
@@ -40,12 +39,7 @@ export default function GraphPage() {
   return (
     <Stack gap="sm" className={classes.wide}>
       <Group justify="space-between" gap="xs">
-        <Group gap={8}>
-          <Title order={1} size="h3">
-            Graph
-          </Title>
-          <HelpLink to="graph" about="Graph" />
-        </Group>
+        <Heading order={1} title="Graph" help="graph" />
         <SegmentedControl
           aria-label="Show the graph as"
           data={FORMS}

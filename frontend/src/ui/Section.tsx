@@ -19,17 +19,32 @@ export function Section({ title, help, aside, children }: SectionProps) {
     <Paper component="section" withBorder radius="md" p={{ base: "md", sm: "lg" }} aria-labelledby={id}>
       <Stack gap="md">
         <Group justify="space-between" align="center" gap="xs">
-          <Group gap={8} wrap="nowrap">
-            <Title order={2} size="h4" id={id}>
-              {title}
-            </Title>
-            {help !== undefined && <HelpLink to={help} about={title} />}
-          </Group>
+          <Heading order={2} id={id} title={title} help={help} />
           {aside}
         </Group>
         {children}
       </Stack>
     </Paper>
+  );
+}
+
+interface HeadingProps {
+  /** 1 for a page, 2 for a card. */
+  order: 1 | 2;
+  title: string;
+  help?: string | undefined;
+  id?: string;
+}
+
+/** A title, and a *?* that leads to what explains it. */
+export function Heading({ order, title, help, id }: HeadingProps) {
+  return (
+    <Group gap={8} wrap="nowrap">
+      <Title order={order} size={order === 1 ? "h3" : "h4"} id={id}>
+        {title}
+      </Title>
+      {help !== undefined && <HelpLink to={help} about={title} />}
+    </Group>
   );
 }
 
@@ -50,14 +65,7 @@ export function usePageTitle(title: string): void {
 /** The title of a page, on it and in the browser's tab, with what stands at its right. */
 export function PageTitle({ title, help, children }: { title: string; help?: string; children?: ReactNode }) {
   usePageTitle(title);
-  const heading = (
-    <Group gap={8} wrap="nowrap">
-      <Title order={1} size="h3">
-        {title}
-      </Title>
-      {help !== undefined && <HelpLink to={help} about={title} />}
-    </Group>
-  );
+  const heading = <Heading order={1} title={title} help={help} />;
   if (children === undefined) return heading;
   return (
     <Group justify="space-between" gap="xs">

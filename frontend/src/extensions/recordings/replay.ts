@@ -5,6 +5,7 @@ import { SCENE_COLORS } from "../../scene/colors";
 import { type Point, place } from "../../store/geometry";
 import type { LayerPainter, Scheme } from "../../store/layers";
 import { lastUpTo } from "../../ui/crosshair";
+import { fixed } from "../../ui/numbers";
 import type { GoalReplay } from "./requests";
 import { useReplay } from "./useReplay";
 
@@ -80,7 +81,7 @@ export function readingsAt({ velocity, battery }: GoalReplay, moment: number | n
   const said = at(battery, moment);
   const readings = [];
   if (told !== null && told.linear !== null && told.angular !== null)
-    readings.push(`commanded ${told.linear.toFixed(2)} m/s, ${told.angular.toFixed(2)} rad/s`);
-  if (said !== null && said.voltage !== null) readings.push(`battery ${said.voltage.toFixed(2)} V`);
-  return readings.map((reading) => reading.replaceAll("-", "−"));
+    readings.push(`commanded ${fixed(told.linear, 2)} m/s, ${fixed(told.angular, 2)} rad/s`);
+  if (said !== null && said.voltage !== null) readings.push(`battery ${fixed(said.voltage, 2)} V`);
+  return readings;
 }
