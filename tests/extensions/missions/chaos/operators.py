@@ -27,7 +27,7 @@ class Operators(Worker):
         docks: The names of the docks.
 
     Attributes:
-        queued: The body of each mission that was accepted, by its id.
+        queued: The ids of the missions that were accepted.
         answers: How often each answer came.
     """
 
@@ -36,7 +36,7 @@ class Operators(Worker):
         self._url = url
         self._docks = docks
         self._orders = itertools.count(1)
-        self.queued: dict[str, dict[str, Any]] = {}
+        self.queued: set[str] = set()
         self.answers: Counter[str] = Counter()
 
     def ask(self, method: str, path: str, **request: Any) -> httpx2.Response:
@@ -75,14 +75,16 @@ class Operators(Worker):
             return
         robot = random.choice([*PLACES, None])
         steps = [step for _ in range(random.randint(1, 3)) for step in self._steps(robot)]
-        battery = {"below": 0.2, "charge_to": 0.27} if random.random() < 0.7 else None
-        body = {"steps": steps, "priority": random.choice([20, 50, 80])} | ({"battery": battery} if battery else {})
-        body |= {} if robot is not None else {"group": "all"}
+        body: dict[str, Any] = {"steps": steps, "priority": random.choice([20, 50, 80])}
+        if random.random() < 0.7:
+            body["battery"] = {"below": 0.2, "charge_to": 0.27}
+        if robot is None:
+            body["group"] = "all"
         at = {} if robot is None else {"robot": robot}
         headers = {"Idempotency-Key": str(uuid.uuid4())}
         answer = self.ask("POST", "/missions", params=at, json=body, headers=headers)
         assert answer.status_code in (200, 201), answer.text
-        self.queued[answer.json()["mission_id"]] = body
+        self.queued.add(answer.json()["mission_id"])
 
     def _steps(self, robot: str | None) -> list[Step]:
         """Return a step, or two that belong together."""

@@ -98,10 +98,10 @@ def settle(operators: Operators, watch: Watch) -> dict[str, dict[str, Any]]:
     """Let all missions go on until they have ended; return them."""
     deadline = time.monotonic() + SETTLES_WITHIN
     ended: dict[str, dict[str, Any]] = {}
-    while operators.queued.keys() - ended.keys():
+    while operators.queued - ended.keys():
         operators.ask("DELETE", "/stop")  # a gateway that was away at a release has brought the stop back
         operators.go_on()
-        for mission_id in operators.queued.keys() - ended.keys():
+        for mission_id in operators.queued - ended.keys():
             mission = operators.ask("GET", f"/missions/{mission_id}").json()
             assert mission.get("mission_id") == mission_id, mission
             if mission["status"] in ENDED:
