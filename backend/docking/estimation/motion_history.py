@@ -33,6 +33,15 @@ class Motion:
         """The motion with one more step."""
         return Motion(self.way + way, self.turn + turn, self.to_and_fro + abs(way), self.turn_to_and_fro + abs(turn))
 
+    def then(self, after: "Motion") -> "Motion":
+        """The motion with another one behind it."""
+        return Motion(
+            self.way + after.way,
+            self.turn + after.turn,
+            self.to_and_fro + after.to_and_fro,
+            self.turn_to_and_fro + after.turn_to_and_fro,
+        )
+
     def since(self, before: "Motion") -> "Motion":
         """The motion from `before` to now."""
         return Motion(
@@ -62,6 +71,7 @@ class MotionHistory:
         last: The last pose by odometry, in odom; None before the first.
         changed_at: When odometry last had another pose, in s.
         known_since: Since when there was no pause, in s.
+        coming: What was commanded since the last step of `add`.
     """
 
     def __init__(self, memory: float) -> None:
@@ -73,10 +83,24 @@ class MotionHistory:
         self.last: Pose | None = None
         self.changed_at = -math.inf
         self.known_since = math.inf
+        self.coming = NOWHERE
+        self._commanded_until = -math.inf
         self._memory = memory
         self._times: list[float] = []
         self._commanded: list[Motion] = []
         self._measured: list[Motion] = []
+
+    def command(self, now: float, commanded: Velocity) -> None:
+        """Count a velocity that was commanded until now, also where odometry is silent.
+
+        Args:
+            now: The moment, in s.
+            commanded: The velocity since the last call.
+        """
+        dt = now - self._commanded_until
+        self._commanded_until = now
+        if 0.0 < dt < math.inf:
+            self.coming = self.coming.plus(commanded.linear_x * dt, commanded.angular_z * dt)
 
     def add(self, now: float, pose: Pose, commanded: Velocity) -> bool:
         """Add a step; return whether there is one: after a pause, the history begins here.
@@ -84,8 +108,10 @@ class MotionHistory:
         Args:
             now: The moment, in s. A moment that is not later than the last one is ignored.
             pose: By odometry, in odom.
-            commanded: The velocity since the last step.
+            commanded: The velocity since the last step, or the last call of `command`.
         """
+        self.command(now, commanded)
+        coming, self.coming = self.coming, NOWHERE
         last, self.last = self.last, pose
         if pose != last:
             self.changed_at = now
@@ -98,7 +124,7 @@ class MotionHistory:
             return False
         moved = pose.relative_to(last)
         self._times.append(now)
-        self._commanded.append(self._commanded[-1].plus(commanded.linear_x * dt, commanded.angular_z * dt))
+        self._commanded.append(self._commanded[-1].then(coming))
         self._measured.append(self._measured[-1].plus(moved.x, moved.theta))
         if self._times[0] < now - 2.0 * self._memory:
             gone = bisect_right(self._times, now - self._memory)

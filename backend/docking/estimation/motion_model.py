@@ -86,6 +86,10 @@ class MotionModel:
         self._moves = False  # forward or backward, ever
         self._obeys_since = math.inf
 
+    def elapse(self, now: float) -> None:
+        """Let time pass; `commanded` applied since the last step, whether odometry says anything or not."""
+        self.history.command(now, self.commanded)
+
     def update(self, now: float, pose: Pose) -> None:
         """Update with odometry; `commanded` applied since the last step."""
         history = self.history
@@ -122,9 +126,8 @@ class MotionModel:
         history = self.history
         if history.last is None:
             return NOWHERE
-        dt = now - history.now
-        before = history.commands(history.changed_at - LAGS[-1], history.now)
-        return before.plus(self.commanded.linear_x * dt, self.commanded.angular_z * dt)
+        self.elapse(now)
+        return history.commands(history.changed_at - LAGS[-1], history.now).then(history.coming)
 
     def ahead(self, pose: Pose) -> Pose:
         """Return where the robot will be when a command that is given now takes effect.
@@ -176,6 +179,9 @@ class MotionModel:
 
     def _learn_dead_zone(self, now: float) -> None:
         began, commanded, measured = self.history.last_step()
+        dt, told = now - began, self.commanded
+        if not (_is(commanded.way, told.linear_x * dt) and _is(commanded.turn, told.angular_z * dt)):
+            return  # the command has changed since: what was measured is of both
         zone = [self.dead_zone.linear_x, self.dead_zone.angular_z]
         most = (DEAD_ZONE_MAX.linear_x, DEAD_ZONE_MAX.angular_z)
         speeds = (abs(self.commanded.linear_x), abs(self.commanded.angular_z))
@@ -237,3 +243,8 @@ class MotionModel:
         if axis == 0:
             return abs(measured.way) > 0.5 * abs(commanded.way)
         return abs(measured.turn) > 0.5 * abs(commanded.turn)
+
+
+def _is(one: float, other: float) -> bool:
+    """Whether two ways or turns are the same, but for rounding."""
+    return math.isclose(one, other, rel_tol=1e-6, abs_tol=1e-9)

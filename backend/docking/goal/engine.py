@@ -106,6 +106,8 @@ class Goal:
             return self._give_up(ErrorCode.UNKNOWN, f"the clock jumped back by {-dt:.3g} s")
         dt = max(0.0, dt)
         self._limits.elapse(dt)
+        if self._watch is not None:
+            self._watch.elapse(now)
         fresh = self._battery.fresh(observation.battery, now)
         try:
             reached = self._objective.is_reached(observation, fresh, self._progress)

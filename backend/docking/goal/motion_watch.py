@@ -77,6 +77,10 @@ class MotionWatch:
     def commanded(self, velocity: Velocity) -> None:
         self.model.commanded = velocity
 
+    def elapse(self, now: float) -> None:
+        """Let time pass, in which `commanded` applied: call it before another velocity is commanded."""
+        self.model.elapse(now)
+
     def rest(self) -> None:
         """The robot is commanded to stand still."""
         self.model.commanded = STANDSTILL

@@ -128,6 +128,20 @@ def test_a_rest_does_not_hide_that_it_is_blocked() -> None:
         drive(motion, Velocity(0.2, 0.0), STANDSTILL, 1.9, start=1.9, pose=pose)
 
 
+def test_motion_while_odometry_was_silent_counts_as_commanded_until_the_rest() -> None:
+    """On a slow machine odometry is late again and again: the robot rests from then on, not since the last pose."""
+    motion, pose, now = watch(), Pose(), 0.0
+    for _ in range(40):
+        assert step(motion, now, pose)
+        motion.commanded = Velocity(0.1, 0.0)
+        pose, now = pose.compose(Pose(0.1 * 0.35)), now + 0.35
+        motion.elapse(now)
+        assert not motion.sees(Observation(now))
+        motion.rest()
+        now += 0.03
+        motion.elapse(now)
+
+
 def test_once_it_was_reported_the_comparison_begins_again() -> None:
     motion = watch()
     with pytest.raises(Blocked):
