@@ -73,10 +73,10 @@ window.getComputedStyle = (element: Element) => {
 // No gateway is found, at once: how long a machine looks for its name differs.
 globalThis.fetch = () => Promise.reject(new TypeError("fetch failed"));
 
-// What jsdom lacks and the page's libraries ask for.
+// What jsdom lacks and the page's libraries ask for: a wide window, in which nothing moves.
 window.matchMedia ??= (query: string) =>
   ({
-    matches: query.includes("reduce"),
+    matches: query.includes("reduce") || query.includes("min-width"),
     media: query,
     addEventListener: () => {},
     removeEventListener: () => {},

@@ -1,11 +1,4 @@
-import {
-  ActionIcon,
-  Anchor,
-  Container,
-  Group,
-  useComputedColorScheme,
-  useMantineColorScheme,
-} from "@mantine/core";
+import { ActionIcon, Anchor, Group, useComputedColorScheme, useMantineColorScheme } from "@mantine/core";
 import { Link } from "react-router";
 import { Account } from "../access/Account";
 import { pageSite } from "../api/site";
@@ -20,24 +13,22 @@ import { ShortcutsButton } from "./ShortcutsButton";
 export function Header() {
   return (
     <header className={classes.header}>
-      <Container size="xl" w="100%" className={classes.container}>
-        <div className={classes.bar}>
-          <Name />
-          <Navigation />
-          <ConnectionStatus />
-          <Group gap="sm" wrap="nowrap" className={classes.actions}>
-            <Anchor component={Link} to="/ui/help" size="sm" className={classes.wide ?? ""}>
-              Help
-            </Anchor>
-            <NotificationsLink />
-            <SearchButton />
-            <ShortcutsButton />
-            <ColorSchemeSwitch />
-            <Account />
-            <StopButton />
-          </Group>
-        </div>
-      </Container>
+      <div className={classes.bar}>
+        <Name />
+        <Navigation />
+        <ConnectionStatus />
+        <Group gap="sm" wrap="nowrap" className={classes.actions}>
+          <Anchor component={Link} to="/ui/help" size="sm" className={classes.wide ?? ""}>
+            Help
+          </Anchor>
+          <NotificationsLink />
+          <SearchButton />
+          <ShortcutsButton />
+          <ColorSchemeSwitch />
+          <Account />
+          <StopButton />
+        </Group>
+      </div>
     </header>
   );
 }

@@ -7,34 +7,41 @@ import { useMenu } from "../pages/pages";
 import { Tool } from "../ui/Tool";
 import classes from "./layout.module.css";
 
-/** Where there is no room for all pages in a row; layout.module.css has the same. */
-const NARROW = "(max-width: 47.9em)";
+/** Where all pages are in a row; where only the first of them are, as the stylesheet says; below that there is a menu alone. */
+const ALL = "(min-width: 90em)";
+const FIRST = "(min-width: 64em)";
 
-/** The way to the pages: links in a row, or in a list that a button opens. */
+/** The way to the pages: links in a row as far as there is room, and all of them in a list that a button opens. */
 export function Navigation() {
-  const menu = useMenu();
-  const narrow = useMediaQuery(NARROW, false, { getInitialValueInEffect: false });
-  return narrow ? (
-    <Menu />
-  ) : (
+  const pages = useMenu();
+  const all = useMedia(ALL);
+  const first = useMedia(FIRST);
+  return (
     <nav aria-label="Pages" className={classes.navigation}>
-      <Pages className={classes.row} pages={menu.filter(({ button }) => !button)} />
+      {!all && <Menu pages={pages} counted={!first} />}
+      {first && <Pages className={classes.row} pages={pages.filter(({ button }) => !button)} />}
     </nav>
   );
 }
 
-function Menu() {
+function useMedia(query: string): boolean {
+  return useMediaQuery(query, false, { getInitialValueInEffect: false });
+}
+
+interface MenuProps {
+  pages: ReturnType<typeof useMenu>;
+  /** Whether the button says how many alerts there are. */
+  counted: boolean;
+}
+
+function Menu({ pages, counted }: MenuProps) {
   const [opened, setOpened] = useState(false);
   const close = () => setOpened(false);
-  const nav = useClickOutside<HTMLElement>(close);
+  const menu = useClickOutside<HTMLDivElement>(close);
   const listId = useId();
   return (
-    <nav
-      ref={nav}
-      aria-label="Pages"
-      className={classes.menu}
-      onKeyDown={(event) => event.key === "Escape" && close()}
-    >
+    // biome-ignore lint/a11y/noStaticElementInteractions: Escape closes what its button has opened
+    <div ref={menu} className={classes.menu} onKeyDown={(event) => event.key === "Escape" && close()}>
       <Tool
         name="Pages"
         title={undefined}
@@ -44,14 +51,16 @@ function Menu() {
         aria-controls={listId}
         onClick={() => setOpened(!opened)}
       />
-      <span className={classes.alerts}>
-        <AlertCount />
-      </span>
+      {counted && (
+        <span className={classes.alerts}>
+          <AlertCount />
+        </span>
+      )}
       <div id={listId} hidden={!opened} className={classes.list}>
-        <Pages className={classes.links} pages={useMenu()} counted={false} onChoose={close} />
+        <Pages className={classes.links} pages={pages} counted={false} onChoose={close} />
         <AccountLines className={classes.page ?? ""} onChoose={close} />
       </div>
-    </nav>
+    </div>
   );
 }
 

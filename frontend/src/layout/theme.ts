@@ -63,10 +63,7 @@ export const theme = createTheme({
   fontFamily: "system-ui, -apple-system, 'Segoe UI', Roboto, 'Noto Sans', 'DejaVu Sans', sans-serif",
   fontFamilyMonospace: "ui-monospace, 'SF Mono', Menlo, Consolas, 'DejaVu Sans Mono', monospace",
   components: {
-    Badge: Badge.extend({
-      defaultProps: { size: "lg", tt: "none", fw: 600 },
-      styles: { root: { minWidth: "max-content" } },
-    }),
+    Badge: Badge.extend({ defaultProps: { size: "lg", tt: "none", fw: 600 } }),
     Notification: Notification.extend({ styles: { description: { color: "var(--mantine-color-dimmed)" } } }),
     SegmentedControl: SegmentedControl.extend({ defaultProps: { size: "sm" } }),
     Tooltip: Tooltip.extend({ defaultProps: { events: { hover: true, focus: true, touch: true } } }),

@@ -8,6 +8,7 @@ import { useFleetLive, useFleetPart, useNaming, useWhyNot } from "../../fleet/co
 import { defaultRobot } from "../../fleet/names";
 import { linkOf, namesThere, placeWords } from "../../fleet/words";
 import { Dialog } from "../../ui/Dialog";
+import { Breakable } from "../../ui/Fact";
 import { Guarded } from "../../ui/Guarded";
 import { lazyPart } from "../../ui/lazyPart";
 import { Icon } from "../../ui/Tool";
@@ -31,7 +32,11 @@ export function RobotHead({ robot, breadcrumb }: { robot: string | null; breadcr
       <Title order={1} size="h3" className={classes.name}>
         {naming.nameOf(name)}
       </Title>
-      {namespace !== null && <Text c="dimmed">{namespace}</Text>}
+      {namespace !== null && (
+        <Text c="dimmed">
+          <Breakable text={namespace} />
+        </Text>
+      )}
       <LabelButton key={name} robot={name} />
       <Facts name={name} />
       <RobotSwitcher robot={name} />

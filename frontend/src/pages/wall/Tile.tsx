@@ -35,7 +35,7 @@ export const Tile = memo(function Tile({ robot, attention, live }: TileProps) {
     >
       <div className={classes.name}>
         {attention >= 2 && <SeverityMark mark={attention === 3 ? "critical" : "warning"} />}
-        <h2>{robotName(robot)}</h2>
+        <h2 title={robotName(robot)}>{robotName(robot)}</h2>
       </div>
       <div className={classes.place}>
         {placeWords(robot.docked)}
@@ -44,7 +44,11 @@ export const Tile = memo(function Tile({ robot, attention, live }: TileProps) {
       <Battery battery={robot.battery} charging={robot.charging} live={live} />
       <div className={classes.now}>
         {latched ? (
-          <Badge color="red" className={classes.badge ?? ""}>
+          <Badge
+            color="red"
+            className={classes.badge ?? ""}
+            title={by === null ? undefined : `Stopped by ${by}`}
+          >
             Stopped{by !== null && ` by ${by}`}
           </Badge>
         ) : link === "away" ? (
