@@ -117,13 +117,15 @@
     }
   });
 
-  for (const element of document.body.querySelectorAll("*")) {
+  const tight = [...document.body.querySelectorAll("*")].filter((element) => {
     const { display, overflowX, position } = style(element);
-    if (!/flex|grid/.test(display) || overflowX !== "visible" || position === "absolute" || !isDrawn(element)) continue;
-    const more = element.scrollWidth - element.clientWidth;
-    if (more > 2 && element.closest(FREE) === null)
-      faults.add(`${words(element.textContent || element.localName)} needs ${more} pixels more than there are`);
-  }
+    const arranges = /flex|grid/.test(display) && overflowX === "visible" && position !== "absolute";
+    return arranges && element.scrollWidth > element.clientWidth + 2 && element.closest(FREE) === null && isDrawn(element);
+  });
+  for (const element of tight.filter((each) => !tight.some((other) => other !== each && each.contains(other))))
+    faults.add(
+      `${words(element.innerText || element.localName)} needs ${element.scrollWidth - element.clientWidth} pixels more`,
+    );
 
   const wider = document.documentElement.scrollWidth - window.innerWidth;
   if (wider > 0) faults.add(`the page is ${wider} pixels wider than the window`);

@@ -27,23 +27,22 @@ def gateway(domain: int) -> Iterator[RunningGateway]:
         gateway = stack.enter_context(running_gateway(domain))
         for robot in ROBOTS:
             at = {"robot": robot}
-            wait_until(lambda at=at: gateway.http.get("/docks", params=at).status_code == 200, robot)
+            wait_until(lambda at=at: gateway.http.get("/docks", params=at).status_code == 200, robot)  # type: ignore[misc]
             body = {"state": LOW, "rate_hz": 5}
             gateway.http.put("/battery/publisher", params=at, json=body).raise_for_status()
             goal = gateway.http.post("/dock", params=at).raise_for_status().json()["goal_id"]
             gateway.http.post(f"/dock/{goal}/cancel").raise_for_status()
             gateway.wait_for_goal(goal, "canceled")
-        gateway.http.put(
-            "/label", params={"robot": ROBOTS[0]}, json={"display_name": LABEL, "groups": ["Northern hall"]}
-        ).raise_for_status()
+        label: dict[str, object] = {"display_name": LABEL, "groups": ["Northern hall"]}
+        gateway.http.put("/label", params={"robot": ROBOTS[0]}, json=label).raise_for_status()
         gateway.wait_until_stored()
         yield gateway
 
 
 @pytest.fixture
-def page(page: Page) -> Iterator[Page]:
+def page(page: Page) -> Page:
     expect(page.get_by_test_id(f"robot {ROBOTS[0]}")).to_be_visible()
-    yield page
+    return page
 
 
 def faults_of(page: Page, *starts: str) -> list[str]:

@@ -8,7 +8,7 @@ import pytest
 from playwright.sync_api import Page, Request, Route, expect
 
 from tests.browser.axe import find_violations
-from tests.browser.width import expect_no_sideways_scrolling
+from tests.browser.layout import find_layout_faults
 from tests.support.docking import FAST, PATIENT, UNMEASURED
 from tests.support.gateway import RunningGateway, running_gateway, running_program
 from tests.support.waiting import wait_until
@@ -35,9 +35,7 @@ def add(page: Page, step: str) -> None:
 
 def expect_fits(page: Page) -> None:
     assert find_violations(page) == []
-    for width in (390, 820):
-        page.set_viewport_size({"width": width, "height": 900})
-        expect_no_sideways_scrolling(page)
+    assert find_layout_faults(page) == []
     page.set_viewport_size({"width": 1440, "height": 1000})
 
 
