@@ -4,7 +4,6 @@ import type { Pose } from "@dock-gateway/client";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { Around } from "../src/scene/around";
 import { Camera } from "../src/scene/camera";
-import { SCENE_COLORS } from "../src/scene/colors";
 import { Gestures } from "../src/scene/gestures";
 import { drawGrid } from "../src/scene/ground";
 import { Painter } from "../src/scene/painter";
@@ -13,6 +12,7 @@ import { toScreen } from "../src/scene/view";
 import { compose, type Point, type View } from "../src/store/geometry";
 import type { LayerView, SceneLayer } from "../src/store/layers";
 import { FADE_MS, SceneBuffer } from "../src/store/sceneBuffer";
+import { SCENE_COLORS } from "../src/ui/tokens";
 import { emptyScene } from "./events";
 
 /** Beats are counted by the clock: what is drawn when must not depend on when the test runs. */

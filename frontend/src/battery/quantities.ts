@@ -1,5 +1,6 @@
 import type { Quantity } from "../store/batterySeries";
 import { fixed } from "../ui/numbers";
+import { BATTERY_COLORS } from "../ui/tokens";
 
 interface Shape {
   name: string;
@@ -21,8 +22,7 @@ export const SHAPES: Record<Quantity, Shape> = {
     decimals: 2,
     tidy: 0.05,
     room: 0.1,
-    light: "#a61e4d",
-    dark: "#ffa8c5",
+    ...BATTERY_COLORS.voltage,
   },
   percentage: {
     name: "Percentage",
@@ -30,8 +30,7 @@ export const SHAPES: Record<Quantity, Shape> = {
     decimals: 0,
     tidy: 25,
     room: 0,
-    light: "#1864ab",
-    dark: "#74c0fc",
+    ...BATTERY_COLORS.percentage,
   },
   current: {
     name: "Current",
@@ -39,8 +38,7 @@ export const SHAPES: Record<Quantity, Shape> = {
     decimals: 2,
     tidy: 0.05,
     room: 0.1,
-    light: "#5f3dc4",
-    dark: "#b197fc",
+    ...BATTERY_COLORS.current,
   },
   temperature: {
     name: "Temperature",
@@ -48,8 +46,7 @@ export const SHAPES: Record<Quantity, Shape> = {
     decimals: 1,
     tidy: 0.5,
     room: 1,
-    light: "#a33a00",
-    dark: "#ffc078",
+    ...BATTERY_COLORS.temperature,
   },
 };
 

@@ -2,38 +2,11 @@ import {
   Badge,
   type CSSVariablesResolver,
   createTheme,
-  type MantineColorsTuple,
   Notification,
   SegmentedControl,
   Tooltip,
 } from "@mantine/core";
-
-// Mantine's own, but for the last shade: white text can be read on it, and it can be read on the first one.
-const green: MantineColorsTuple = [
-  "#ebfbee",
-  "#d3f9d8",
-  "#b2f2bb",
-  "#8ce99a",
-  "#69db7c",
-  "#51cf66",
-  "#40c057",
-  "#37b24d",
-  "#2f9e44",
-  "#237032",
-];
-
-const orange: MantineColorsTuple = [
-  "#fff4e6",
-  "#ffe8cc",
-  "#ffd8a8",
-  "#ffc078",
-  "#ffa94d",
-  "#ff922b",
-  "#fd7e14",
-  "#f76707",
-  "#e8590c",
-  "#a33a00",
-];
+import { FONT, GREEN, MONOSPACE, ORANGE } from "../ui/tokens";
 
 /** The colours of quiet text and of errors and, in the dark, those of outlines, which are too faint by default. */
 export const cssVariables: CSSVariablesResolver = (base) => ({
@@ -56,12 +29,12 @@ export const cssVariables: CSSVariablesResolver = (base) => ({
 export const theme = createTheme({
   primaryColor: "blue",
   primaryShade: 9,
-  colors: { green, orange },
+  colors: { green: GREEN, orange: ORANGE },
   autoContrast: true,
   respectReducedMotion: true,
   cursorType: "pointer",
-  fontFamily: "system-ui, -apple-system, 'Segoe UI', Roboto, 'Noto Sans', 'DejaVu Sans', sans-serif",
-  fontFamilyMonospace: "ui-monospace, 'SF Mono', Menlo, Consolas, 'DejaVu Sans Mono', monospace",
+  fontFamily: FONT,
+  fontFamilyMonospace: MONOSPACE,
   components: {
     Badge: Badge.extend({ defaultProps: { size: "lg", tt: "none", fw: 600 } }),
     Notification: Notification.extend({ styles: { description: { color: "var(--mantine-color-dimmed)" } } }),

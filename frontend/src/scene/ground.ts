@@ -1,7 +1,7 @@
 import type { Point, Size, View } from "../store/geometry";
 import type { GroundPicture } from "../store/layers";
 import { fixed } from "../ui/numbers";
-import type { SceneColors } from "./colors";
+import type { SceneColors } from "../ui/tokens";
 import { gridStep, toScreen, toWorld } from "./view";
 
 /** What part of the plane is drawn, and how. */

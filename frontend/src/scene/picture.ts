@@ -4,9 +4,9 @@ import { type RefCallback, type RefObject, useEffect, useRef } from "react";
 import type { Point, Size, View } from "../store/geometry";
 import type { Scheme } from "../store/layers";
 import { watchSight } from "../ui/sight";
+import { SCENE_COLORS, type SceneColors } from "../ui/tokens";
 import { useLatest } from "../ui/useLatest";
 import type { Camera } from "./camera";
-import { SCENE_COLORS, type SceneColors } from "./colors";
 import type { Gestures } from "./gestures";
 
 /** A picture of the ground on a canvas, as its camera sees it. */

@@ -5,9 +5,10 @@ import "uplot/dist/uPlot.min.css";
 import { onBeat } from "../clock/beat";
 import type { Crosshair } from "./crosshair";
 import classes from "./PlotStack.module.css";
-import { LINE_COLORS, type PlotBand, type PlotLine, type PlotSource } from "./plotData";
+import type { PlotBand, PlotLine, PlotSource } from "./plotData";
 import { watchSight } from "./sight";
 import { type PlotPlace, StackedPlots } from "./stackedPlots";
+import { LINE_COLORS } from "./tokens";
 import { useLatest } from "./useLatest";
 
 const REDRAW_MS = 200;

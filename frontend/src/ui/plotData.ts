@@ -1,5 +1,6 @@
 import type uPlot from "uplot";
 import { alike, COMPARED, type Digits, decimalsOf, NO_DIGITS, withNumber } from "./numbers";
+import { type BAND_COLORS, PLOT_COLORS } from "./tokens";
 
 /** What a plot draws, kept outside of React: it is read again only when the version has changed. */
 export interface PlotSource {
@@ -70,16 +71,6 @@ export function lineWords({ digits, unit, words }: PlotLine, value: number): str
   return unit === null ? text : `${text} ${unit}`;
 }
 
-interface PlotColors {
-  text: string;
-  grid: string;
-}
-
-const COLORS: Record<"light" | "dark", PlotColors> = {
-  light: { text: "#343a40", grid: "#dee2e6" },
-  dark: { text: "#dee2e6", grid: "#424242" },
-};
-
 const FONT = "12px system-ui, sans-serif";
 
 const [TICK, GAP] = [6, 4];
@@ -89,7 +80,7 @@ export const LABEL_OVERHANG = 34;
 
 /** How an axis of any plot looks in a colour scheme. */
 export function plotAxis(scheme: "light" | "dark"): uPlot.Axis {
-  const { text, grid } = COLORS[scheme];
+  const { text, grid } = PLOT_COLORS[scheme];
   return {
     stroke: text,
     font: FONT,
@@ -98,21 +89,6 @@ export function plotAxis(scheme: "light" | "dark"): uPlot.Axis {
     grid: { stroke: grid, width: 1 },
   };
 }
-
-/** The colors of lines, with the same contrast to the background. */
-export const LINE_COLORS = {
-  light: ["#1864ab", "#a61e4d", "#2b8a3e", "#862e9c", "#0b7285", "#d9480f"],
-  dark: ["#74c0fc", "#ffa8c5", "#8ce99a", "#e599f7", "#66d9e8", "#ffc078"],
-} as const;
-
-/** The color of the card that a plot is on. */
-export const BACKGROUND = { light: "#ffffff", dark: "#242424" } as const;
-
-/** The colors of bands behind the lines, faint enough to read the lines. */
-export const BAND_COLORS = {
-  light: { gray: "#868e9624", cyan: "#15aabf24", blue: "#228be624", green: "#40c05728", orange: "#fd7e1430" },
-  dark: { gray: "#ced4da22", cyan: "#3bc9db2a", blue: "#4dabf72e", green: "#69db7c2a", orange: "#ffa94d36" },
-} as const;
 
 let canvas: CanvasRenderingContext2D | null | undefined;
 

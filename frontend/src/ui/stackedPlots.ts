@@ -4,10 +4,7 @@ import { decimalsOf } from "./numbers";
 import {
   axisNumbers,
   axisWidth,
-  BACKGROUND,
-  BAND_COLORS,
   LABEL_OVERHANG,
-  LINE_COLORS,
   lineWords,
   type PlotBand,
   type PlotLine,
@@ -16,6 +13,7 @@ import {
   plotAxis,
   roomyRange,
 } from "./plotData";
+import { BACKGROUND, BAND_COLORS, LINE_COLORS } from "./tokens";
 
 /** The least distance between two labels of the x axis (CSS pixels). */
 const X_SPACE = 80;

@@ -1,8 +1,8 @@
 import type { GatewayEvent, Http, Pose, Scene } from "@dock-gateway/client";
-import { SCENE_COLORS } from "../../scene/colors";
 import { compose, inverse, type Point, place } from "../../store/geometry";
 import type { LayerPainter, LegendEntry, LocatedFrame, RobotLayer, Scheme } from "../../store/layers";
 import { frameIn } from "../../store/layers";
+import { SCENE_COLORS } from "../../ui/tokens";
 import { cornersOf, MapImage } from "./mapImage";
 import { MAP_COLORS, mapImage, type Points, type RobotMap } from "./requests";
 

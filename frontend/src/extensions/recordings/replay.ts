@@ -1,11 +1,11 @@
 import type { Pose } from "@dock-gateway/client";
 import { useEffect } from "react";
 import type { Places, RecordedLayer } from "../../extension/extension";
-import { SCENE_COLORS } from "../../scene/colors";
 import { type Point, place } from "../../store/geometry";
 import type { LayerPainter, Scheme } from "../../store/layers";
 import { lastUpTo } from "../../ui/crosshair";
 import { fixed } from "../../ui/numbers";
+import { SCENE_COLORS } from "../../ui/tokens";
 import type { GoalReplay } from "./requests";
 import { useReplay } from "./useReplay";
 

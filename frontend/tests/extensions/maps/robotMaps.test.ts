@@ -1,8 +1,8 @@
 import type { EventOf, Http } from "@dock-gateway/client";
 import { describe, expect, it, vi } from "vitest";
 import { mapIn, RobotMaps } from "../../../src/extensions/maps/robotMaps";
-import { SCENE_COLORS } from "../../../src/scene/colors";
 import { frameIn } from "../../../src/store/layers";
+import { SCENE_COLORS } from "../../../src/ui/tokens";
 import { at, emptyScene } from "../../events";
 
 const QUARTER = Math.PI / 2;
