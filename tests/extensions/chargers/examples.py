@@ -64,6 +64,7 @@ class Site:
             docks=cast("Any", None),
             labels=cast("Any", None),
             distances=cast("Any", None),
+            can_drive=lambda _: True,
             clock=now,
         )
         self.watch = DockWatch(self.docks, cast("Any", self), cast("Any", self), EVERYTHING, clock=now)

@@ -227,6 +227,13 @@ def test_each_robot_that_waits_has_a_place_of_its_own_and_keeps_it() -> None:
     assert (moved.wait_at, moved.since_at, moved.arrives_by) == (BAYS[2], NOON, later + ARRIVES_WITHIN)
 
 
+def test_a_robot_that_does_not_drive_takes_no_place() -> None:
+    stays = waits_for(Ask("/robot1", ["a"], drives=False), WITH_BAYS, {}, NOON)
+    assert (stays.wait_at, stays.arrives_by) == (None, None)
+    drives = waits_for(Ask("/robot1", ["a"]), WITH_BAYS, {"/robot1": stays}, after(5))
+    assert (drives.wait_at, drives.since_at, drives.arrives_by) == (BAYS[0], NOON, after(5) + ARRIVES_WITHIN)
+
+
 def test_a_robot_that_drives_to_where_it_waits_need_not_ask() -> None:
     drives = waits_for(ASK, WITH_BAYS, {}, NOON)
     assert is_waiting(drives, after(299))

@@ -85,6 +85,7 @@ class Client(RouteClient):
             docks=robots,
             labels=cast("Any", labels),
             distances=robots,
+            can_drive=lambda _: True,
         )
         self.watch = DockWatch(self.docks, robots, cast("Any", None), cast("Any", None))
         self.board = DockBoard(self.docks, self.watch, robots, self.fanout)

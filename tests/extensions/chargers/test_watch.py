@@ -1,12 +1,15 @@
 """What is seen of the robots, and what that means for the docks that they have. In virtual time, without ROS."""
 
 import asyncio
+from types import SimpleNamespace
+from typing import Any, cast
 
 import pytest
 
 from dock_gateway.core.goal import GoalError, GoalStatus
 from dock_gateway.extensions.chargers import policy
 from dock_gateway.extensions.chargers.dock import DockBody, DockPose, DockRecord, Hold
+from dock_gateway.extensions.chargers.extension import can_drive
 from dock_gateway.extensions.chargers.watch import AWAY_FOR
 from tests.extensions.chargers.examples import NOON, Site, docking, now
 from tests.support.virtual import in_virtual_time
@@ -189,4 +192,28 @@ async def test_a_robot_whose_mission_has_ended_is_not_driving_to_where_it_waits(
     assert site.docks.waits.get("/robot1") == driving
     site.at_work = False
     await site.look(1)
-    assert not policy.is_waiting(site.docks.waits.all()["/robot1"], now())
+    left = site.docks.waits.all()["/robot1"]
+    assert (policy.is_waiting(left, now()), left.wait_at) == (False, None)
+    again = policy.waits_for(ASK, {"a": PLACED}, {"/robot1": left}, now())
+    assert again.arrives_by is not None, "it has to drive there again"
+
+
+@pytest.mark.parametrize(
+    ("fields", "drives"),
+    [
+        ({}, True),
+        ({"at_work": False}, False),  # a rule has sent it
+        ({"on_dock": True}, False),
+        ({"goals": ["goal"]}, True),  # that which asks
+        ({"goals": ["goal", "other"]}, False),
+        ({"there": False}, False),
+    ],
+)
+@in_virtual_time
+async def test_which_robots_drive_to_where_they_wait(fields: dict[str, Any], drives: bool) -> None:
+    goals = [docking(goal_id=each) for each in fields.get("goals", ())]
+    state = SimpleNamespace(name="/robot1", on_dock=fields.get("on_dock", False), goals=goals)
+    owner = SimpleNamespace(namespace="/robot1") if fields.get("there", True) else None
+    robots = SimpleNamespace(owner=lambda _: owner, is_at_work=lambda _: fields.get("at_work", True))
+    fleet = SimpleNamespace(state=lambda _: state)
+    assert can_drive(docking(), cast("Any", robots), cast("Any", fleet)) is drives

@@ -5,11 +5,12 @@ from typing import Any
 import pytest
 
 from dock_gateway.core.goal import GoalStatus
-from dock_gateway.extensions.missions import progress
+from dock_gateway.extensions.missions import progress, waiting
 from dock_gateway.extensions.missions.mission import HoldReason, MissionEntry, MissionStatus
 from dock_gateway.extensions.missions.moves import Cancel, Change, Facts, Send, Sent, Wait, WaitsFor
 from dock_gateway.extensions.missions.progress import next_move
 from dock_gateway.extensions.missions.step_entry import Reason, StepStatus
+from dock_gateway.extensions.missions.step_kinds import Waypoint
 from tests.extensions.missions.examples import CALL, DOCK, FIBONACCI, NOON, PUBLISH, UNDOCK, after, begun, goal, queued
 
 
@@ -154,7 +155,11 @@ def test_a_stop_holds_a_mission_wherever_it_is() -> None:
 
 
 def test_a_goal_that_ends_while_its_mission_is_held() -> None:
-    held = changed(sent(DOCK, UNDOCK), Facts(stopped=True, goal=goal(GoalStatus.CANCELING)), 1)
+    held = changed(sent(DOCK, UNDOCK), Facts(stopped=True, goal=goal(GoalStatus.EXECUTING)), 1)
+    move = next_move(held, Facts(stopped=True, goal=goal(GoalStatus.EXECUTING)), after(1))
+    assert isinstance(move, Cancel), "another gateway sent it when the robot was stopped"
+    lost = Facts(stopped=True, goal=goal(GoalStatus.LOST), given_up=True)
+    assert next_move(held, lost, after(1)) == Wait(WaitsFor.CONTINUE)
     again = changed(held, ended(GoalStatus.CANCELED, "stopped"), 2)
     assert (again.status, again.current.status, again.step) == (MissionStatus.HELD, StepStatus.WAITING, 0)
     arrived = changed(held, ended(GoalStatus.SUCCEEDED), 2)
@@ -247,3 +252,17 @@ def test_a_notice_stands_until_the_step_after_it_has_ended() -> None:
     assert mission.step == 2
     assert mission.notice is not None
     assert [mission.notice.is_active(after(seconds)) for seconds in (59.9, 60)] == [True, False]
+
+
+def test_a_drive_that_another_goal_keeps_from_beginning_is_dropped_and_the_dock_is_asked_for_again() -> None:
+    asks = next_move(begun(DOCK), Facts(), NOON)
+    assert isinstance(asks, Change)
+    drives = waiting.drive(asks.mission, Waypoint(x=1, y=2), Facts(), NOON)
+    assert drives is not None
+    move = next_move(drives, Facts(other_goal=True), NOON)
+    assert isinstance(move, Change)
+    assert (move.mission.drive, move.mission.wait_at, move.mission.current) == (None, None, asks.mission.current)
+    assert isinstance(next_move(move.mission, Facts(other_goal=True), NOON), Send)
+    begins = next_move(drives, Facts(), NOON)
+    assert isinstance(begins, Change)
+    assert waiting.ask_again(begins.mission) == begins.mission, "its goal may have been sent"

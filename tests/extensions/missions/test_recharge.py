@@ -233,7 +233,9 @@ def test_a_stop_holds_a_return_and_somebody_has_to_continue_it(stage: str) -> No
     mission = at_dock(mission) if stage == "charging" else changed(mission).with_step(goal_id="goal")
     held = changed(mission, low(GoalStatus.EXECUTING, stopped=True), 5)
     assert (held.held_for, break_of(held).stage) == (HoldReason.STOP, stage)
-    assert next_move(held, low(GoalStatus.EXECUTING, latched=True), after(6)) == Wait(WaitsFor.STOP_RELEASED)
+    assert next_move(held, low(GoalStatus.EXECUTING, latched=True, given_up=True), after(6)) == Wait(
+        WaitsFor.STOP_RELEASED
+    )
     if stage == "docking":
         held = changed(held, low(GoalStatus.CANCELED, "stopped"), 6)
     assert isinstance(next_move(held, LOW, after(1e6)), Wait)

@@ -440,8 +440,13 @@ async def test_a_robot_that_cannot_drive_to_where_it_waits_waits_where_it_is() -
     assert (await site.ended()).status is MissionStatus.SUCCEEDED
 
 
+@pytest.mark.parametrize(
+    ("refuses", "goals"),
+    [([], ["mission-a-0-1"]), ([occupied(2.0)], ["mission-a-drive-2-1", "mission-a-0-1"])],
+    ids=["the dock is free meanwhile", "another robot waits at that place meanwhile"],
+)
 @in_virtual_time
-async def test_a_stop_ends_the_drive_to_where_a_robot_waits() -> None:
+async def test_a_stop_ends_the_drive_to_where_a_robot_waits(refuses: list[DockOccupied], goals: list[str]) -> None:
     site = Site()
     site.server.refuses = [occupied()]
     await site.add(DOCK)
@@ -454,10 +459,11 @@ async def test_a_stop_ends_the_drive_to_where_a_robot_waits() -> None:
     site.held = False
     await asyncio.sleep(30)
     assert len(site.server.goals) == 1
+    site.server.refuses = [*refuses]
     await book.amend("a", UNLIMITED, lambda mission: progress.resume(mission, now()))
     mission = await site.ended()
     assert mission.status is MissionStatus.SUCCEEDED
-    assert [*site.server.goals] == ["mission-a-drive-1-1", "mission-a-drive-1-2", "mission-a-0-1"]
+    assert [*site.server.goals] == ["mission-a-drive-1-1", *goals]
 
 
 LIMITS = {"below": 0.25, "charge_to": 0.8}

@@ -4,6 +4,7 @@ from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
 
 from dock_gateway.core.fanout import Fanout
+from dock_gateway.core.goal import Goal
 from dock_gateway.core.share import Share
 from dock_gateway.core.tasks import closed_by
 from dock_gateway.extension import Extension
@@ -41,17 +42,18 @@ from dock_gateway.storage.shared_entries import SharedBook, SharedEntries
 async def open_chargers(parts: Parts) -> AsyncIterator[DockBoard]:
     """Let each docking goal ask for its dock, and follow who stands there."""
     async with AsyncExitStack() as stack:
-        actions, history, fleet = parts[ActionRegistry], parts[History], parts[Fleet]
+        actions, history, fleet, robots = parts[ActionRegistry], parts[History], parts[Fleet], parts[RobotRegistry]
         settings = parts[Settings].of(ChargerSettings)
         docks = SharedDocks(
             SharedBook(history.documents("shared_dock", DockEntry), "shared_dock", MAX_DOCKS),
             SharedEntries(history.documents("dock_record", DockRecord)),
             SharedEntries(history.documents("dock_wait", WaitEntry)),
-            robots=parts[RobotRegistry],
+            robots=robots,
             actions=actions,
             docks=parts[Docks],
             labels=parts[Labels],
             distances=Distances(parts[Settings], parts[Relays], parts[GraphCache]),
+            can_drive=lambda goal: can_drive(goal, robots, fleet),
             by_charge=settings.chargers_queue == "lowest_charge",
         )
         await docks.sync()
@@ -70,6 +72,18 @@ async def open_chargers(parts: Parts) -> AsyncIterator[DockBoard]:
             file.start()
         watch.start()
         yield board
+
+
+def can_drive(goal: Goal, robots: RobotRegistry, fleet: Fleet) -> bool:
+    """Return whether the robot of a goal that waits for its dock may drive to a waiting place.
+
+    It waits where it is if no mission has sent the goal, if it stands on a dock, and while another goal runs on it.
+    """
+    robot = robots.owner(goal.action_name)
+    state = None if robot is None else fleet.state(robot.namespace)
+    if state is None or not robots.is_at_work(state.name) or state.on_dock:
+        return False
+    return all(other.goal_id == goal.goal_id for other in state.goals)
 
 
 extension = Extension(

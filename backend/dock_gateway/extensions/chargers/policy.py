@@ -64,11 +64,19 @@ class Obstacle(StrEnum):
 
 @dataclass(frozen=True)
 class Ask:
-    """A robot's request for one of several docks."""
+    """A robot's request for one of several docks.
+
+    Attributes:
+        robot: Its name.
+        docks: Those that it would take.
+        groups: The groups that it is in.
+        drives: Whether it drives to a waiting place, if it has to wait.
+    """
 
     robot: str
     docks: Sequence[str]
     groups: tuple[str, ...] = ()
+    drives: bool = True
 
 
 def obstacle(ask: Ask, dock: DockEntry | None, record: DockRecord) -> Obstacle | None:
@@ -152,7 +160,8 @@ def is_waiting(wait: WaitEntry, now: datetime) -> bool:
 def waits_for(ask: Ask, docks: Mapping[str, DockEntry], known: Mapping[str, WaitEntry], now: datetime) -> WaitEntry:
     """Return the entry of a robot that has asked, and waits.
 
-    It waits at the first free waiting place of these docks, and keeps that place until it waits no more.
+    It waits at the first free waiting place of these docks, if it drives there, and keeps that place until it waits no
+    more.
 
     Args:
         ask: What it would take.
@@ -165,7 +174,7 @@ def waits_for(ask: Ask, docks: Mapping[str, DockEntry], known: Mapping[str, Wait
         before = WaitEntry(docks=tuple(ask.docks), since_at=now, asked_at=now)
     taken = [each.wait_at for name, each in known.items() if name != ask.robot and is_waiting(each, now)]
     places = [place for dock_id in ask.docks if dock_id in docks for place in docks[dock_id].waiting_places]
-    free = [place for place in places if place not in taken]
+    free = [place for place in places if place not in taken and ask.drives]
     place = before.wait_at if before.wait_at in free else next(iter(free), None)
     drives = place is not None and place != before.wait_at
     return before.model_copy(

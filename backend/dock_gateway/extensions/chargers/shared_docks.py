@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from datetime import datetime
 from typing import Any
 
@@ -46,6 +47,7 @@ class SharedDocks:
         docks: The docks that the robots' docking servers know.
         labels: The groups of the robots.
         distances: Says how far robots are from docks.
+        can_drive: Returns whether the robot of a goal that waits for its dock may drive to a waiting place.
         by_charge: Whether the robot with the lowest charge comes first.
         clock: Returns the time.
     """
@@ -61,6 +63,7 @@ class SharedDocks:
         docks: Docks,
         labels: RobotLabels,
         distances: Distances,
+        can_drive: Callable[[Goal], bool],
         by_charge: bool = False,
         clock: Callable[[], datetime] = utc_now,
     ) -> None:
@@ -73,6 +76,7 @@ class SharedDocks:
         self._docks = docks
         self._labels = labels
         self._distances = distances
+        self._can_drive = can_drive
         self._clock = clock
 
     async def sync(self) -> bool:
@@ -191,7 +195,7 @@ class SharedDocks:
             obstacles = {dock_id: Obstacle.OCCUPIED}
         refusal = self._refusal(ask, obstacles, grant)
         if isinstance(refusal, DockOccupied) and goal.origin == "automation":
-            place = await self._wait(ask)
+            place = await self._wait(replace(ask, drives=self._can_drive(goal)))
             if place is not None:
                 refusal.extra["wait_at"] = {"frame": place.frame, "x": place.x, "y": place.y, "yaw": place.theta}
         raise refusal
@@ -224,14 +228,14 @@ class SharedDocks:
             return None  # it asks again
         return entry.wait_at
 
-    async def end_drive(self, robot: str) -> None:
-        """Note that a robot is not driving to where it waits: from now on it waits only if it asks.
+    async def leave_place(self, robot: str) -> None:
+        """Note that a robot neither is at its waiting place nor drives there: it waits only if it asks, where it is.
 
         Raises:
             Unavailable: The history does not answer (`history_unavailable`); nothing has changed.
         """
         known = self.waits.get(robot)
-        if known is None or known.arrives_by is None:
+        if known is None or known.wait_at is None:
             return
 
         def check(stored: Mapping[str, WaitEntry]) -> None:
@@ -239,7 +243,7 @@ class SharedDocks:
                 raise Conflict("it has asked meanwhile")
 
         try:
-            await self.waits.store(robot, known.model_copy(update={"arrives_by": None}), check)
+            await self.waits.store(robot, known.model_copy(update={"wait_at": None, "arrives_by": None}), check)
         except Conflict:
             await self.waits.read()
 

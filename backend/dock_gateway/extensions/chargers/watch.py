@@ -140,7 +140,7 @@ class DockWatch:
                     await self._docks.change(dock_id, record, after)
         for robot in list(self._docks.waits.all()):
             if self._share.covers_robot(robot) and not self._docks.robots.is_at_work(robot):
-                await self._docks.end_drive(robot)  # its mission was canceled, or is held
+                await self._docks.leave_place(robot)  # its mission was canceled, or is held
         self._note_silent(states)
 
     def _is_ours(self, hold: Hold) -> bool:

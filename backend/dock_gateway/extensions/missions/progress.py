@@ -7,7 +7,7 @@ made of the mission, the step and the try, by which it is found again after a re
 from datetime import datetime, timedelta
 
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.extensions.missions import recharge, sender
+from dock_gateway.extensions.missions import recharge, sender, waiting
 from dock_gateway.extensions.missions.mission import HoldReason, MissionEntry, MissionStatus, Notice, RechargeStage
 from dock_gateway.extensions.missions.moves import Cancel, Change, Facts, Move, Send, Wait, WaitsFor
 from dock_gateway.extensions.missions.program import end, enter, fail_step, go_on, skip_step
@@ -56,7 +56,7 @@ def _begin(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
     if step.retry_at is not None and now < step.retry_at:
         return Wait(WaitsFor.RETRY if step.tried else WaitsFor.TIME, step.retry_at)
     if facts.other_goal and (step.sends_goal or step.is_message):
-        return Wait(WaitsFor.OTHER_GOAL)
+        return Wait(WaitsFor.OTHER_GOAL) if mission.drive is None else Change(waiting.ask_again(mission))
     if (made := recharge.before_goal(mission, facts, now)) is not None:
         return Change(made)
     begun = mission.with_step(
@@ -189,9 +189,14 @@ def _again(mission: MissionEntry, error: Reason, now: datetime) -> MissionEntry:
 
 
 def _hold(mission: MissionEntry, facts: Facts, now: datetime) -> Move:
-    """Return what comes next while a mission is held: a goal that still runs is followed to its end."""
-    goal = facts.goal
-    if mission.current.has_goal and goal is not None and goal.status.final:
+    """Return what comes next while a mission is held.
+
+    A goal that still runs is canceled: the stop has not ended it if another gateway sent it at that moment.
+    """
+    goal = facts.goal if mission.current.has_goal else None
+    if goal is not None and not goal.status.final and not facts.given_up:
+        return Cancel(goal)
+    if goal is not None and goal.status.final:
         if goal.status is GoalStatus.SUCCEEDED:
             return Change(_held_on(mission, now))
         reason = _reason_of(goal, "goal_canceled", "the goal ended while the mission was held")
@@ -274,7 +279,7 @@ def start(mission: MissionEntry, now: datetime, robot: str | None = None) -> Mis
 
 
 def stop(mission: MissionEntry) -> MissionEntry:
-    """Return a mission that is held for a stop; a goal that runs is followed to its end."""
+    """Return a mission that is held for a stop; a goal that runs is canceled, and followed to its end."""
     return mission.but(status=MissionStatus.HELD, held_for=HoldReason.STOP)
 
 
@@ -306,7 +311,7 @@ def resume(mission: MissionEntry, now: datetime) -> MissionEntry:
         return mission.but(status=MissionStatus.QUEUED, held_for=None, allowed_at=now)
     # The robot may be elsewhere by now, so that it no longer counts as waiting at its place.
     going = {"status": MissionStatus.RUNNING, "held_for": None, "allowed_at": now, "wait_at": mission.driving_to}
-    goes_on = mission.but(**going)
+    goes_on = waiting.ask_again(mission.but(**going))
     if mission.held_for is HoldReason.PERSON and goes_on.current.waits_for_person:
         return succeed(goes_on, now)
     if goes_on.current.status is StepStatus.WAITING:

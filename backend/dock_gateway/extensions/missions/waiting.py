@@ -8,7 +8,7 @@ from datetime import datetime
 
 from dock_gateway.extensions.missions.mission import MissionEntry
 from dock_gateway.extensions.missions.moves import Facts
-from dock_gateway.extensions.missions.step_entry import StepEntry
+from dock_gateway.extensions.missions.step_entry import StepEntry, StepStatus
 from dock_gateway.extensions.missions.step_kinds import NavigateStep, Waypoint
 
 # Seconds that a drive may take: less than the dock is kept for a robot that does not ask.
@@ -26,3 +26,13 @@ def drive(mission: MissionEntry, place: Waypoint, facts: Facts, now: datetime) -
         return None
     step = StepEntry(navigate=NavigateStep(pose=place), timeout_s=left)
     return mission.but(drive=step, drives=mission.drives + 1, wait_at=place)
+
+
+def ask_again(mission: MissionEntry) -> MissionEntry:
+    """Return the mission without a drive that has not begun, or was stopped: the dock may be free by now.
+
+    If it is not, the robot is sent where no other one waits by now.
+    """
+    if mission.drive is None or mission.drive.status is not StepStatus.WAITING:
+        return mission
+    return mission.but(drive=None, wait_at=None)
