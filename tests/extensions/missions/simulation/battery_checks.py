@@ -1,11 +1,13 @@
 """What must hold for the batteries of robots."""
 
+from collections import defaultdict
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus, RechargeStage
 from dock_gateway.extensions.missions.step_entry import StepEntry
+from tests.extensions.missions.simulation.drive_checks import wants_dock
 from tests.extensions.missions.simulation.stored import dock_records
 
 if TYPE_CHECKING:
@@ -40,7 +42,7 @@ class BatteryChecks:
     def __init__(self, world: "World") -> None:
         self._world = world
         self._looked_at = 0.0
-        self._could: dict[str, float] = {}  # for how many seconds each robot could have returned
+        self._could: defaultdict[str, float] = defaultdict(float)  # for how many seconds each robot could have returned
         self._can: set[str] = set()  # the robots that could when they were last looked at
         self._empty: set[str] = set()
         self._held_since: dict[str, tuple[str, float]] = {}  # the docks that are held for a robot that is not there
@@ -94,15 +96,15 @@ class BatteryChecks:
             "a docking that has failed": on_break and step.retry_at is not None and step.retry_at > world.now(),
         }
         found = next((reason for reason, is_it in reasons.items() if is_it), None)
-        others = sum(_wants_dock(each) for each in missions.values() if each.robot != robot.name)
-        return found or (None if len(self._free_docks(robot)) > others else "the docks")
+        others = sum(wants_dock(each) for each in missions.values() if each.robot != robot.name)
+        return found or (None if len(self.free_docks(robot)) > others else "the docks")
 
     def _waits_for_others(self, step: StepEntry, running: set[str]) -> bool:
         if step.has_goal and step.goal_id is None:
             return step.sends_until is not None and step.sends_until > self._world.now()
         return step.has_message or (step.has_goal and step.goal_id not in running and not step.interruptible)
 
-    def _free_docks(self, robot: "Robot") -> list[str]:
+    def free_docks(self, robot: "Robot") -> list[str]:
         """Return the docks that a robot could have."""
         docks, now = self._world.docks, self._world.chance.loop.time()
         taken = {*docks.robots, *docks.blocked}
@@ -134,8 +136,3 @@ class BatteryChecks:
 
 def _is_low(robot: "Robot", mission: MissionEntry) -> bool:
     return mission.limits is not None and robot.charge < mission.limits.below
-
-
-def _wants_dock(mission: MissionEntry) -> bool:
-    """Return whether a robot waits for a dock, or drives to one."""
-    return mission.active and mission.current.verb == "dock"

@@ -12,6 +12,7 @@ from dock_gateway.core.goal import GoalStatus
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
 from dock_gateway.extensions.missions.step_entry import StepStatus
 from tests.extensions.missions.simulation.battery_checks import BatteryChecks
+from tests.extensions.missions.simulation.drive_checks import DriveChecks
 from tests.extensions.missions.simulation.group_checks import GroupChecks
 from tests.extensions.missions.simulation.stored import key_of, named, robot_of, stored_missions, tag_of
 from tests.extensions.missions.simulation.wait_checks import WaitChecks
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 
 # Seconds after which a gateway has given up a goal that its server, which was frozen, accepts at last.
 GIVEN_UP_AFTER = 5.0
+# Seconds after a stop in which another gateway may not have heard of it, and after which no goal of a mission runs.
+HEARD_AFTER, STANDS_AFTER = 1.0, 60.0
 # Looks during which a mission may have been queued unnoticed by the gateway that begins another one.
 NOTICED_AFTER = 6
 
@@ -67,6 +70,7 @@ class Checks:
         self.sent_at: dict[str, float] = {}
         self.groups = GroupChecks(world)
         self._batteries = BatteryChecks(world)
+        self._drives = DriveChecks(world, self._batteries)
         self._waits = WaitChecks(world)
         self._places: dict[str, Place] = {}
         self._goals: defaultdict[str, list[CarriedOut]] = defaultdict(list)  # by tag
@@ -76,6 +80,7 @@ class Checks:
         self._last: dict[str, int] = {}  # the index of the last step of each mission that was begun at the robot
         self._allowed: dict[str, float] = {}  # when somebody last let a robot move, or a mission begin
         self._stops: dict[str, tuple[float, float]] = {}  # when the last stop of a robot began and had ended
+        self._own: dict[str, str] = {}  # the goals of missions, with what they are for
         self._parted: set[str] = set()  # goals that a gateway may have lost sight of
         self._paused: set[str] = set()  # missions that somebody has paused before they had begun
 
@@ -122,7 +127,8 @@ class Checks:
         if tag is None:
             return
         began, ended = self._stops.get(robot, (-1.0, -1.0))
-        stopped = began >= 0 and ended < self._now and self._allowed.get(robot, -1.0) < began
+        heard = ended + (HEARD_AFTER if self._world.troubles.gateways > 1 else 0.0)
+        stopped = began >= 0 and heard < self._now and self._allowed.get(robot, -1.0) < began
         if stopped and not self._is_queued_since(robot, tag, began):
             self.fault(f"{gateway.name} sends {tag} to {robot}, which was stopped at {began:.3f}, and nobody continued")
 
@@ -158,7 +164,7 @@ class Checks:
         if server.kind == "dock" and self._world.shares_docks:
             self._check_dock(robot, robot.dock_of(goal.message))
         if goal.tag is None:
-            self._check_break(robot, server, goal)
+            self._check_untagged(robot, server, goal)
             return
         self._carried[goal.tag].append(goal)
         if self._now - self.sent_at[goal.goal_id] > GIVEN_UP_AFTER:  # it is canceled at once
@@ -175,9 +181,7 @@ class Checks:
         tag = named(goal.tag, mission_id)
         place = self._places.setdefault(tag, Place(mission_id, int(index), repeated=False))
         self.groups.carried_out(mission_id, robot.name)
-        for other in robot.running():
-            if other is not goal and other.tag is not None and other.goal_id not in self._parted:
-                self.fault(f"{robot.name} begins {tag} while {other.tag} ({other.goal_id}) runs")
+        self._check_alone(robot, goal, tag)
         self._check_step(place, tag, [*self._goals[tag], goal])
         self._goals[tag].append(goal)
         self._in_order(place, tag)
@@ -194,32 +198,57 @@ class Checks:
             self.fault(f"the try {key} is carried out twice, as {known.goal_id} and {goal.goal_id}")
         self._keys[key] = goal
 
-    def _check_break(self, robot: "Robot", server: "Server", goal: "CarriedOut") -> None:
-        """Check a goal that is of no step: it may be of the break of a mission for the battery."""
+    def _check_untagged(self, robot: "Robot", server: "Server", goal: "CarriedOut") -> None:
+        """Check a goal that is of no step.
+
+        It may be of the break of a mission for the battery, or of a drive to where the robot waits for its dock.
+        """
         key = key_of(self._world.disk, goal.goal_id)
         if key is None or self._now - self.sent_at[goal.goal_id] > GIVEN_UP_AFTER:
             return
         self._note_key(key, goal)
-        self.counts[f"{server.kind}s for the battery"] += 1
-        _, mission_id, _, number, attempt = key.split("-")
+        _, mission_id, kind, number, attempt = key.split("-")
         self.groups.carried_out(mission_id, robot.name)
         mission = self.stored().get(mission_id)
+        self._check_alone(robot, goal, key)
         if mission is None or self._is_late(mission):
             return
+        self._check_stop(robot, mission_id, mission)
+        if kind == "drive":
+            self._drives.begins(robot, key, mission_id, mission)
+        else:
+            self._check_break(server, key, mission_id, mission, (int(number), int(attempt)))
+
+    def _check_break(
+        self, server: "Server", key: str, mission_id: str, mission: MissionEntry, at: tuple[int, int]
+    ) -> None:
+        """Check a goal of the break of a mission for the battery; `at` is the number of the break and of the try."""
+        self.counts[f"{server.kind}s for the battery"] += 1
         its_break = mission.recharge
-        if its_break is None or (its_break.number, its_break.step.attempt) != (int(number), int(attempt)):
+        if its_break is None or (its_break.number, its_break.step.attempt) != at:
             self.fault(f"{key} is carried out, and {mission_id} is at {its_break!r:.300}")
         elif its_break.step.verb != server.kind:
             self.fault(f"{key} is a goal to {server.kind}, and {mission_id} is at {its_break.stage}")
-        self._check_stop(robot, mission_id, mission)
+
+    def _check_alone(self, robot: "Robot", goal: "CarriedOut", key: str) -> None:
+        """Check that no other goal of a mission runs on a robot that begins one."""
+        for other in robot.running():
+            if other is not goal and other.goal_id in self._own and other.goal_id not in self._parted:
+                self.fault(f"{robot.name} begins {key} while {self._own[other.goal_id]} ({other.goal_id}) runs")
+        self._own[goal.goal_id] = key
 
     def _check_stop(self, robot: "Robot", mission_id: str, mission: MissionEntry) -> None:
-        """Check that somebody let a robot move whose mission takes a break, if it was stopped before."""
-        began, ended = self._stops.get(robot.name, (-1.0, -1.0))
-        allowed = max(self._allowed.get(robot.name, -1.0), self._allowed.get(mission_id, -1.0))
+        """Check that somebody let a robot move for a mission, if it was stopped before."""
+        at = self.stopped_at(robot.name, mission_id, mission)
+        if at is not None and at < self._now - GIVEN_UP_AFTER:
+            self.fault(f"{robot.name} moves for {mission_id}, was stopped at {at:.3f}, and nobody continued")
+
+    def stopped_at(self, robot: str, mission_id: str, mission: MissionEntry) -> float | None:
+        """Return when a robot was stopped, if nobody has let a mission go on since; else None."""
+        began, ended = self._stops.get(robot, (-1.0, -1.0))
+        allowed = max(self._allowed.get(robot, -1.0), self._allowed.get(mission_id, -1.0))
         created = mission.created_at.timestamp() - START_NS / 1e9
-        if began >= 0 and ended < self._now - GIVEN_UP_AFTER and max(allowed, created) < began:
-            self.fault(f"{robot.name} moves for its battery, was stopped at {began:.3f}, and nobody continued")
+        return ended if began >= 0 and max(allowed, created) < began else None
 
     def _check_dock(self, robot: "Robot", dock: str) -> None:
         """Check that no other robot stands at a dock that a robot drives to, or drives there."""
@@ -272,7 +301,18 @@ class Checks:
         """Look at the batteries, and at the robots that are free."""
         missions = self.stored()
         self._batteries.look(missions)
+        self._drives.look(missions)
+        for name, (began, ended) in self._stops.items():
+            calm = max(ended, self._world.calm_since[name], self._world.gateways_since)
+            if self._allowed.get(name, -1.0) < began and self._now - calm > STANDS_AFTER:
+                self._check_stands(self._world.robots[name], ended)
         self.groups.look({mission.its_robot for mission in missions.values() if mission.active})
+
+    def _check_stands(self, robot: "Robot", stopped: float) -> None:
+        """Check that no goal of a mission runs that a robot had when it was stopped, also if it came right then."""
+        for goal in robot.running():
+            if goal.goal_id in self._own and goal.at < stopped + HEARD_AFTER:
+                self.fault(f"{robot.name} was stopped at {stopped:.3f}, and {self._own[goal.goal_id]} runs")
 
     def look(self) -> None:
         """Look at all missions, as often as it pleases."""

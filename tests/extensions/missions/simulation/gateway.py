@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Callable, Iterator
 from contextlib import AsyncExitStack, ExitStack, contextmanager
 from dataclasses import replace
-from datetime import UTC, datetime, tzinfo
+from datetime import UTC, datetime, timedelta, tzinfo
 from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
@@ -313,5 +313,8 @@ def simulated(troubles: Troubles) -> Iterator[None]:
             watch = import_module(f"dock_gateway.extensions.{SHARES_DOCKS}.watch")
             stack.enter_context(patch.object(watch, "INTERVAL", troubles.look_every))
             stack.enter_context(patch.object(watch, "SYNC_INTERVAL", 2 * troubles.look_every))
+            policy = import_module(f"dock_gateway.extensions.{SHARES_DOCKS}.policy")
+            asks_within = max(policy.ASKS_WITHIN, timedelta(seconds=3 * troubles.look_every))
+            stack.enter_context(patch.object(policy, "ASKS_WITHIN", asks_within))
         stack.enter_context(patch("dock_gateway.core.event.datetime", VirtualDatetime))
         yield

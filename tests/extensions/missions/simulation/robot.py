@@ -1,5 +1,6 @@
 """A simulated robot: its battery, its action servers, and the docks that robots share."""
 
+import random
 from collections.abc import Callable
 from typing import Any
 
@@ -14,16 +15,29 @@ ACTIONS = (
     ("dock", "connect_to_charging_dock", "action_tutorials_interfaces/action/ConnectToChargingDock"),
     ("undock", "disconnect_from_charging_dock", "action_tutorials_interfaces/action/DisconnectFromChargingDock"),
     ("work", "work", "action_tutorials_interfaces/action/Fibonacci"),
+    ("navigate", "navigate_to_pose", "nav2_msgs/action/NavigateToPose"),
 )
 # The charge that is lost an hour while a goal runs and while the robot stands, and gained at a dock.
 DRIVES, STANDS, CHARGES = -0.3, -0.03, 0.6
 
 
 class Docks:
-    """The docks: which are blocked, and who stands at them."""
+    """The docks: where robots wait for them, which are blocked, and who stands at them.
 
-    def __init__(self, number: int) -> None:
+    Args:
+        draw: Decides where robots wait.
+        number: How many docks there are.
+        waiting_places: Share of those that have places where robots wait.
+    """
+
+    def __init__(self, draw: random.Random, number: int, waiting_places: float) -> None:
         self.names = [f"dock{index}" for index in range(number)]
+        self.places: dict[str, list[dict[str, Any]]] = {
+            name: [{"x": float(dock), "y": float(place)} for place in range(draw.randint(1, 2))]
+            if draw.random() < waiting_places
+            else []
+            for dock, name in enumerate(self.names)
+        }
         self.blocked = set[str]()
         self.robots: dict[str, str] = {}
 
@@ -38,10 +52,12 @@ class Robot:
         accepted: Called with the robot, the server and each goal that it accepts.
         answers_lost: How likely it is that an answer is lost.
         battery_speed: How many times faster than in a real robot its battery is charged and discharged.
+        navigating: Whether it has nav2.
 
     Attributes:
         on: Whether it is switched on.
         in_reach: Whether messages reach it.
+        docked_at: When it last arrived at a dock.
         answers_lost, rejects, refuses, fails, hangs: How likely it is that an answer is lost, a goal is rejected, a
             request to cancel is refused, a goal fails, or never ends by itself.
     """
@@ -55,12 +71,14 @@ class Robot:
         *,
         answers_lost: float,
         battery_speed: float,
+        navigating: bool,
     ) -> None:
         self.chance = chance
         self.name = name
         self.docks = docks
         self.on = True
         self.in_reach = True
+        self.docked_at = 0.0
         self.answers_lost = answers_lost
         self.rejects, self.refuses, self.fails, self.hangs = 0.03, 0.03, 0.12, 0.05
         self._accepted = accepted
@@ -68,7 +86,11 @@ class Robot:
         self._battery_speed = battery_speed
         self._since = chance.loop.time()
         self._rate = STANDS * battery_speed
-        self.servers = {kind: Server(self, kind, f"{name}/{action}", of) for kind, action, of in ACTIONS}
+        self.servers = {
+            kind: Server(self, kind, f"{name}/{action}", of)
+            for kind, action, of in ACTIONS
+            if navigating or kind != "navigate"
+        }
 
     def mend(self) -> None:
         """Let nothing go wrong from now on."""
@@ -149,10 +171,10 @@ class Robot:
 
     def on_accept(self, server: Server, goal: CarriedOut) -> None:
         """A server has accepted a goal."""
+        self._accepted(self, server, goal)
         if self.dock is not None and (server.kind != "dock" or self.dock_of(goal.message) != self.dock):
             del self.docks.robots[self.dock]
         self.drive()
-        self._accepted(self, server, goal)
 
     def plan(self, server: Server, goal: CarriedOut) -> tuple[float | None, bool]:
         """Return how long a goal takes, None: until it is canceled, and whether it succeeds then."""
@@ -170,6 +192,7 @@ class Robot:
             if dock in self.docks.blocked or self.docks.robots.get(dock, self.name) != self.name:
                 return GoalStatus.ABORTED
             self.docks.robots[dock] = self.name
+            self.docked_at = self.chance.loop.time()
         return GoalStatus.SUCCEEDED
 
     def dock_of(self, message: dict[str, Any]) -> str:

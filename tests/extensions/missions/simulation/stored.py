@@ -1,7 +1,7 @@
 """The missions in the database of a run, and the tags of their steps."""
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from datetime import datetime
 from functools import lru_cache
 from typing import Any
@@ -39,10 +39,19 @@ def find_missions(connection: sa.Connection, keys: Iterable[str]) -> dict[str, M
     return found
 
 
-def share_docks(disk: Disk, names: list[str], at: datetime) -> None:
-    """Enter docks as shared ones, as an extension stores them that lets a dock have one robot."""
+def share_docks(disk: Disk, places: Mapping[str, list[dict[str, Any]]], at: datetime) -> None:
+    """Enter docks as shared ones, as an extension stores them that lets a dock have one robot.
+
+    Args:
+        disk: The database.
+        places: Where robots wait for each dock.
+        at: The time.
+    """
     dock = {"changed_by": None, "changed_at": at.isoformat()}
-    rows = [{"kind": "shared_dock", "key": name, "document": json.dumps(dock).encode()} for name in names]
+    rows = [
+        {"kind": "shared_dock", "key": name, "document": json.dumps(dock | {"waiting_places": found}).encode()}
+        for name, found in places.items()
+    ]
     with disk.engine.begin() as connection:
         connection.execute(sa.insert(documents), rows)
 
@@ -56,6 +65,11 @@ def _stored_json(disk: Disk, kind: str) -> dict[str, dict[str, Any]]:
 def dock_records(disk: Disk) -> dict[str, dict[str, Any]]:
     """Return what has happened at the shared docks, as an extension stores it."""
     return _stored_json(disk, "dock_record")
+
+
+def dock_waits(disk: Disk) -> dict[str, dict[str, Any]]:
+    """Return the robots that have asked for a dock and not got it, as an extension stores them."""
+    return _stored_json(disk, "dock_wait")
 
 
 def repair_docks(disk: Disk) -> None:

@@ -43,6 +43,17 @@ CASES = {
         goals_every=1800.0,
         kills_every=900.0,
     ),
+    "robots that wait for one dock": Troubles(
+        gateways=2,
+        robots=5,
+        docks=1,
+        schedules=0,
+        waiting_places=1.0,
+        missions_every=120.0,
+        groups_every=600.0,
+        kills_every=600.0,
+        servers_every=300.0,
+    ),
     "nothing goes wrong": Troubles(kills_every=1e9, kills_at_writes=0, kills_at_sends=0, servers_every=1e9),
 }
 

@@ -13,6 +13,8 @@ class Troubles(Faults):
 
     Attributes:
         robots, docks, schedules: How many there are.
+        waiting_places: Share of the docks that have places where robots wait for them.
+        navigating: Share of the robots that have nav2, which drives them there.
         battery_speed: How many times faster than in a real robot batteries are charged and discharged.
         lasts: How long the troubles last. After that, everything works and people continue what is held.
         schedule_minutes: A schedule queues a mission every one to four times so many minutes.
@@ -36,6 +38,8 @@ class Troubles(Faults):
     gateways: int = 1
     robots: int = 3
     docks: int = 2
+    waiting_places: float = 0.6
+    navigating: float = 0.85
     schedules: int = 1
     battery_speed: float = 15.0
     lasts: float = HOUR / 2

@@ -47,11 +47,13 @@ class WaitChecks:
             self._check_wait(mission_id, mission, idle=self._is_idle(robot_of(mission)))
 
     def look_at_robots(self, active: Mapping[str, int]) -> None:
-        """Note since when robots are on no mission, and nobody stands at a dock or drives to one."""
+        """Note since when robots are on no mission, and nobody stands at a dock, drives to one, or to wait for one."""
         for robot in self._world.names:
             if active.get(robot):
                 self._idle_since[robot] = self._now
-        drives = any(goal.runs for each in self._world.robots.values() for goal in each.servers["dock"].goals.values())
+        robots = self._world.robots.values()
+        servers = (each.servers[kind] for each in robots for kind in ("dock", "navigate") if kind in each.servers)
+        drives = any(goal.runs for server in servers for goal in server.goals.values())
         if self._world.docks.robots or drives:
             self._docks_free_since = self._now
 

@@ -50,7 +50,7 @@ class World:
         self.chance = Chance(seed, troubles)
         self._random = self.chance.random
         self.checks = Checks(self)
-        self.docks = Docks(troubles.docks)
+        self.docks = Docks(self._random, troubles.docks, troubles.waiting_places)
         self.names = [f"/r{index}" for index in range(troubles.robots)]
         self.robots = {name: self._make_robot(name) for name in self.names}
         self.groups = {"all": self.names, "two": self.names[:2]}
@@ -70,7 +70,16 @@ class World:
 
     def _make_robot(self, name: str) -> Robot:
         lost, speed = self.troubles.answers_lost, self.troubles.battery_speed
-        return Robot(self.chance, name, self.docks, self.checks.accepted, answers_lost=lost, battery_speed=speed)
+        navigating = self._random.random() < self.troubles.navigating
+        return Robot(
+            self.chance,
+            name,
+            self.docks,
+            self.checks.accepted,
+            answers_lost=lost,
+            battery_speed=speed,
+            navigating=navigating,
+        )
 
     # ------------------------------------------------------------------ the run
 
@@ -83,7 +92,7 @@ class World:
     async def _run(self) -> None:
         self.disk.empty()
         if self.shares_docks:
-            share_docks(self.disk, self.docks.names, self.now())
+            share_docks(self.disk, self.docks.places, self.now())
         share_groups(self.disk, self.groups)
         for name in "ABC"[: self.troubles.gateways]:
             self._start(name)
