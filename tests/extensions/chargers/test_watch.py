@@ -191,7 +191,9 @@ async def test_a_robot_whose_mission_has_ended_is_not_driving_to_where_it_waits(
     assert policy.is_waiting(driving, now())  # it is driving: it need not ask
     assert site.docks.waits.get("/robot1") == driving
     site.at_work = False
-    await site.look(1)
+    await site.look(9)
+    assert site.docks.waits.get("/robot1") == driving  # a gateway that has just started does not know the mission yet
+    await site.look(2)
     left = site.docks.waits.all()["/robot1"]
     assert (policy.is_waiting(left, now()), left.wait_at) == (False, None)
     again = policy.waits_for(ASK, {"a": PLACED}, {"/robot1": left}, now())

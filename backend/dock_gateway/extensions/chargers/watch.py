@@ -31,6 +31,9 @@ log = logging.getLogger(__name__)
 INTERVAL = 1.0
 # Seconds for which a robot must have been seen off any dock before its own one is free.
 AWAY_FOR = 10.0
+# Seconds for which a robot must have been on no mission until its waiting place is free: a gateway that has just
+# started has not read the missions yet.
+IDLE_FOR = 10.0
 # Codes of goals that a stop has ended: the dock is not to blame.
 BY_STOP = ("stopped", "stop_latched")
 # The code of a goal whose robot stands on the dock, and is not charged.
@@ -85,6 +88,7 @@ class DockWatch:
         self._clock = clock
         self.trouble = Trouble({}, {})
         self._away_since: dict[str, float] = {}  # robots
+        self._idle_since: dict[str, float] = {}  # robots that wait, and are on no mission
         self._woken = asyncio.Event()
         self._tasks = Tasks("following shared docks")
 
@@ -138,10 +142,17 @@ class DockWatch:
                 )
                 if after != record:
                     await self._docks.change(dock_id, record, after)
-        for robot in list(self._docks.waits.all()):
-            if self._share.covers_robot(robot) and not self._docks.robots.is_at_work(robot):
-                await self._docks.leave_place(robot)  # its mission was canceled, or is held
+        await self._leave_places()
         self._note_silent(states)
+
+    async def _leave_places(self) -> None:
+        """Let robots have no waiting place whose missions have ended, or are held."""
+        now, waits = time.monotonic(), self._docks.waits.all()
+        idle = [each for each in waits if self._share.covers_robot(each) and not self._docks.robots.is_at_work(each)]
+        self._idle_since = {robot: self._idle_since.get(robot, now) for robot in idle}
+        for robot, since in self._idle_since.items():
+            if now - since >= IDLE_FOR:
+                await self._docks.leave_place(robot)
 
     def _is_ours(self, hold: Hold) -> bool:
         return hold.robot is not None and self._share.covers_robot(hold.robot)
