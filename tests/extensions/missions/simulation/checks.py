@@ -14,6 +14,7 @@ from dock_gateway.extensions.missions.step_entry import StepStatus
 from tests.extensions.missions.simulation.battery_checks import BatteryChecks
 from tests.extensions.missions.simulation.drive_checks import DriveChecks
 from tests.extensions.missions.simulation.group_checks import GroupChecks
+from tests.extensions.missions.simulation.rule_checks import BY_RULE, RuleChecks
 from tests.extensions.missions.simulation.stored import key_of, named, robot_of, stored_missions, tag_of
 from tests.extensions.missions.simulation.wait_checks import WaitChecks
 from tests.support.virtual import START_NS
@@ -59,6 +60,7 @@ class Checks:
         counts: How often things have happened.
         sent_at: When each goal was sent last.
         groups: Follows missions for any robot of a group.
+        rules: Follows robots that a rule docks.
     """
 
     def __init__(self, world: "World") -> None:
@@ -71,6 +73,7 @@ class Checks:
         self.groups = GroupChecks(world)
         self._batteries = BatteryChecks(world)
         self._drives = DriveChecks(world, self._batteries)
+        self.rules = RuleChecks(world, self._batteries)
         self._waits = WaitChecks(world)
         self._places: dict[str, Place] = {}
         self._goals: defaultdict[str, list[CarriedOut]] = defaultdict(list)  # by tag
@@ -201,12 +204,19 @@ class Checks:
     def _check_untagged(self, robot: "Robot", server: "Server", goal: "CarriedOut") -> None:
         """Check a goal that is of no step.
 
-        It may be of the break of a mission for the battery, or of a drive to where the robot waits for its dock.
+        It may be of a rule, of the break of a mission for the battery, or of a drive to where the robot waits for its
+        dock.
         """
         key = key_of(self._world.disk, goal.goal_id)
+        if key is None:
+            self.rules.sent_by_person(robot, goal)
         if key is None or self._now - self.sent_at[goal.goal_id] > GIVEN_UP_AFTER:
             return
         self._note_key(key, goal)
+        if key.startswith(BY_RULE):
+            self._check_alone(robot, goal, key)
+            self.rules.docks(robot, goal, key, self._stops.get(robot.name, (-1.0, -1.0)))
+            return
         _, mission_id, kind, number, attempt = key.split("-")
         self.groups.carried_out(mission_id, robot.name)
         mission = self.stored().get(mission_id)
@@ -302,6 +312,7 @@ class Checks:
         missions = self.stored()
         self._batteries.look(missions)
         self._drives.look(missions)
+        self.rules.look(missions, self._stops)
         for name, (began, ended) in self._stops.items():
             calm = max(ended, self._world.calm_since[name], self._world.gateways_since)
             if self._allowed.get(name, -1.0) < began and self._now - calm > STANDS_AFTER:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from contextlib import AsyncExitStack, ExitStack, contextmanager
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta, tzinfo
-from functools import lru_cache
+from functools import lru_cache, partial
 from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
@@ -26,6 +26,7 @@ from dock_gateway.extensions.missions.missions import Missions
 from dock_gateway.extensions.missions.schedules import scheduler
 from dock_gateway.fleet.alert_board import AlertBoard
 from dock_gateway.fleet.fleet import Fleet
+from dock_gateway.fleet.graph_watch import GraphWatch
 from dock_gateway.goals import action, registry, rejoining
 from dock_gateway.goals.approvals import Approvals
 from dock_gateway.goals.docks import Docks
@@ -62,6 +63,8 @@ if TYPE_CHECKING:
 
 # The extension that lets a dock have one robot, if it is there.
 SHARES_DOCKS = "chargers"
+# The one that has rules by which robots dock by themselves, if it is there.
+HAS_RULES = "automation"
 
 
 class FragileDatabase(SimulatedDatabase):
@@ -159,12 +162,14 @@ class Gateway(Process):
 
     Attributes:
         missions: Its missions, once it is ready.
+        rules: Its rules, if it has any.
         latched: What it has published on `stop_latched`, by robot.
         joined: Whether it hears others there.
         ready_at: When it was ready.
     """
 
     missions: Missions
+    rules: Any
     actions: ActionRegistry
     stopper: Stopper
 
@@ -209,6 +214,8 @@ class Gateway(Process):
         self.world.tell_latches_to(self)
         asyncio.create_task(self._scan())  # noqa: RUF006 - noted
         async with AsyncExitStack() as stack:
+            if HAS_RULES in OURS:
+                self.rules = await stack.enter_async_context(find_extension(HAS_RULES).open(parts))
             if SHARES_DOCKS in OURS:
                 await stack.enter_async_context(find_extension(SHARES_DOCKS).open(parts))
             self.missions = await stack.enter_async_context(extension.open_missions(parts))
@@ -221,13 +228,13 @@ class Gateway(Process):
         settings = Settings(
             namespace=self.world.names[0], ping_interval=look, stalled_after=3 * look, lost_after=8 * look
         )
-        fanout, robots = Fanout(queue_limit=10), KnownRobots(self.world.robots)
+        bridge: Any = Bridge(self)
+        fanout, robots = Fanout(queue_limit=10), KnownRobots(self.world.robots, bridge)
         file: Any = self._file
         self.interlock = interlock = Interlock(fanout, file)
         labels = Labels(history.documents("label", RobotLabel), robots.namespaces, sync_interval=1e6)
         known: Any = robots
         robot_actions = RobotActions(settings, known, labels, history)
-        bridge: Any = Bridge(self)
         actions = ActionRegistry(
             settings,
             bridge,
@@ -259,6 +266,7 @@ class Gateway(Process):
             AlertBoard: SimpleNamespace(sources=Hooks()),
             Relays: None,  # where the docks are is not known
             GraphCache: None,
+            GraphWatch: SimpleNamespace(shared=frozenset()),
         }
         return Parts(parts), robots
 
@@ -316,5 +324,9 @@ def simulated(troubles: Troubles) -> Iterator[None]:
             policy = import_module(f"dock_gateway.extensions.{SHARES_DOCKS}.policy")
             asks_within = max(policy.ASKS_WITHIN, timedelta(seconds=3 * troubles.look_every))
             stack.enter_context(patch.object(policy, "ASKS_WITHIN", asks_within))
+        if HAS_RULES in OURS:
+            rules: Any = import_module(f"dock_gateway.extensions.{HAS_RULES}.extension")
+            docking = partial(rules.AutomaticDocking, interval=troubles.look_every)
+            stack.enter_context(patch.object(rules, "AutomaticDocking", docking))
         stack.enter_context(patch("dock_gateway.core.event.datetime", VirtualDatetime))
         yield

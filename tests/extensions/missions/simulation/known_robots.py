@@ -6,6 +6,7 @@ from typing import Any
 
 from dock_gateway.core.battery import BatteryReading
 from dock_gateway.core.errors import NotFound
+from dock_gateway.core.event import utc_now
 from dock_gateway.core.filters import GoalFilter, is_under
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.listeners import Hooks, Listeners
@@ -23,10 +24,13 @@ class KnownRobots:
 
     own_robot = True
 
-    def __init__(self, robots: dict[str, Robot]) -> None:
+    def __init__(self, robots: dict[str, Robot], bridge: Any) -> None:
         self._robots = {name: _robot(robot) for name, robot in robots.items()}
         self.default_namespace = next(iter(robots))
         self.at_work = Hooks[Callable[[str], bool]]()
+        self.topics = SimpleNamespace(bridge=bridge)
+        # What drives by its velocity topic alone is not simulated.
+        self.velocities = SimpleNamespace(listen=lambda *_: SimpleNamespace(complete=True, close=lambda: None))
         self.on_low_battery = Listeners[[str, float]]("a robot at work has to charge")
 
     def namespaces(self) -> list[str]:
@@ -138,8 +142,12 @@ class KnownFleet:
             docked=self._docked.get(name),
             on_dock=bool(self._docked.get(name)),
             last_goal=self._last.get(name),
-            dock=SimpleNamespace(available=robot.there, answering=robot.there),
-            stop={"latched": self._interlock.holds(name)},
+            dock=SimpleNamespace(
+                action_name=robot.servers["dock"].name, available=robot.there, answering=robot.there, duplicate=False
+            ),
+            stop={"latched": self._interlock.holds(name), "by": None, "stopped_at": utc_now()},
+            default=False,
+            simulator=None,
             goals=[goal for goal in self._actions.running() if is_under(goal.action_name, name)],
             lost=[] if robot.there else [goal for goal in self._actions.lost() if is_under(goal.action_name, name)],
             label=self._labels.get(name),

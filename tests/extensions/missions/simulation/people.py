@@ -184,6 +184,13 @@ class People:
 
         await self._ask(f"send a goal to {name}", send)
 
+    async def continue_rule(self) -> None:
+        """Let the rule go on with a robot that may have been stopped."""
+        robot, began = self._random.choice(self._world.ruled), self._world.chance.loop.time()
+        ask: Ask = lambda gateway: gateway.rules.last_stops.allow(robot)  # noqa: E731 - of one line
+        if await self._ask(f"continue the rule for {robot}", ask):
+            self._checks.rules.continued(robot, began)
+
     async def stop(self) -> None:
         robot = self._random.choice([None, *self._world.names, *self._world.names])
         latch = self._random.random() < 0.6

@@ -57,7 +57,7 @@ class Robot:
     Attributes:
         on: Whether it is switched on.
         in_reach: Whether messages reach it.
-        docked_at: When it last arrived at a dock.
+        docked_at, changed_at: When it last arrived at a dock, and got another battery.
         answers_lost, rejects, refuses, fails, hangs: How likely it is that an answer is lost, a goal is rejected, a
             request to cancel is refused, a goal fails, or never ends by itself.
     """
@@ -78,7 +78,7 @@ class Robot:
         self.docks = docks
         self.on = True
         self.in_reach = True
-        self.docked_at = 0.0
+        self.docked_at = self.changed_at = 0.0
         self.answers_lost = answers_lost
         self.rejects, self.refuses, self.fails, self.hangs = 0.03, 0.03, 0.12, 0.05
         self._accepted = accepted
@@ -161,7 +161,7 @@ class Robot:
     def change_battery(self) -> None:
         """Somebody gives it another battery."""
         self.drive()
-        self._charge = 0.9
+        self._charge, self.changed_at = 0.9, self._since
 
     # ------------------------------------------------------------------ goals
 

@@ -72,6 +72,28 @@ def dock_waits(disk: Disk) -> dict[str, dict[str, Any]]:
     return _stored_json(disk, "dock_wait")
 
 
+def store_rule(disk: Disk, robots: list[str], below: float, idle: float, at: datetime) -> None:
+    """Enter a rule that docks idle robots with a low battery, as an extension stores it that has rules.
+
+    Args:
+        disk: The database.
+        robots: To which it applies.
+        below: The charge.
+        idle: For how many seconds they have stood idle.
+        at: The time.
+    """
+    selection, condition = {"all": False, "names": robots, "groups": []}, {"below": below, "idle_s": idle}
+    rule = {"name": "Low", "mode": "on", "robots": selection, "battery": condition, "schedule": None}
+    document = json.dumps(rule | {"changed_by": None, "changed_at": at.isoformat()}).encode()
+    with disk.engine.begin() as connection:
+        connection.execute(sa.insert(documents), [{"kind": "rule", "key": "low", "document": document}])
+
+
+def decisions_of_rules(disk: Disk, robot: str) -> list[dict[str, Any]]:
+    """Return what rules have decided about a robot, as an extension stores it."""
+    return [each for each in _stored_json(disk, "decision").values() if each["robot"] == robot]
+
+
 def repair_docks(disk: Disk) -> None:
     """Store that all shared docks are in order."""
     records = dock_records(disk)

@@ -54,6 +54,18 @@ CASES = {
         kills_every=600.0,
         servers_every=300.0,
     ),
+    "rules of automatic docking": Troubles(
+        gateways=2,
+        robots=4,
+        docks=3,
+        schedules=0,
+        rules=3,
+        missions_every=500.0,
+        groups_every=600.0,
+        goals_every=150.0,
+        kills_every=600.0,
+        servers_every=300.0,
+    ),
     "nothing goes wrong": Troubles(kills_every=1e9, kills_at_writes=0, kills_at_sends=0, servers_every=1e9),
 }
 

@@ -14,6 +14,8 @@ class Troubles(Faults):
     Attributes:
         robots, docks, schedules: How many there are.
         waiting_places: Share of the docks that have places where robots wait for them.
+        rules: How many of the robots a rule docks when their battery is low.
+        holds_every: Somebody lets the rule go on with a robot that was stopped.
         navigating: Share of the robots that have nav2, which drives them there.
         battery_speed: How many times faster than in a real robot batteries are charged and discharged.
         lasts: How long the troubles last. After that, everything works and people continue what is held.
@@ -40,6 +42,8 @@ class Troubles(Faults):
     docks: int = 2
     waiting_places: float = 0.6
     navigating: float = 0.85
+    rules: int = 2
+    holds_every: float = 150.0
     schedules: int = 1
     battery_speed: float = 15.0
     lasts: float = HOUR / 2

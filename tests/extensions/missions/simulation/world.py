@@ -16,11 +16,12 @@ from tests.dock_gateway.simulation.chance import Chance
 from tests.dock_gateway.simulation.database import Disk
 from tests.dock_gateway.simulation.process import noted
 from tests.extensions.missions.simulation.checks import Checks
-from tests.extensions.missions.simulation.gateway import SHARES_DOCKS, Gateway, StoredLatches
+from tests.extensions.missions.simulation.gateway import HAS_RULES, SHARES_DOCKS, Gateway, StoredLatches
 from tests.extensions.missions.simulation.people import People
 from tests.extensions.missions.simulation.robot import Docks, Robot
+from tests.extensions.missions.simulation.rule_checks import BELOW, IDLE
 from tests.extensions.missions.simulation.server import Server
-from tests.extensions.missions.simulation.stored import share_docks, share_groups
+from tests.extensions.missions.simulation.stored import share_docks, share_groups, store_rule
 from tests.extensions.missions.simulation.troubles import HOUR, Troubles
 
 # Seconds for which missions may take to end once nothing goes wrong any more.
@@ -40,6 +41,7 @@ class World:
         people: What people do.
         groups: The robots of each group.
         shares_docks: Whether a dock has one robot at most.
+        ruled: The robots that a rule docks when their battery is low.
         calm_since: Since when nothing has been in the way of each robot.
         gateways_since: Since when one gateway ran at least, and none was killed.
     """
@@ -62,6 +64,7 @@ class World:
         self._files: defaultdict[str, StoredLatches] = defaultdict(StoredLatches)
         self._spools: defaultdict[str, dict[int, list[bytes]]] = defaultdict(dict)
         self.shares_docks = SHARES_DOCKS in OURS
+        self.ruled = self.names[: troubles.rules] if HAS_RULES in OURS else []
         self._troubled = True
 
     def now(self) -> datetime:
@@ -93,6 +96,8 @@ class World:
         self.disk.empty()
         if self.shares_docks:
             share_docks(self.disk, self.docks.places, self.now())
+        if self.ruled:
+            store_rule(self.disk, self.ruled, BELOW, IDLE, self.now())
         share_groups(self.disk, self.groups)
         for name in "ABC"[: self.troubles.gateways]:
             self._start(name)
@@ -111,6 +116,8 @@ class World:
             self._often(troubles.repairs_every, self.people.repair_docks),
             self._often(troubles.batteries_every, self.people.change_batteries),
         ]
+        if self.ruled:
+            work.append(self._often(troubles.holds_every, self.people.continue_rule))
         work += map(self.people.store_schedule, self.names[: troubles.schedules])
         for each in work:
             self.chance.spawn(self._noting(each))
