@@ -205,9 +205,14 @@ class People:
     async def _release_later(self, robot: str | None) -> None:
         await asyncio.sleep(self._random.choice([0.5, 30.0, 600.0]))
         await self._insist(f"release {robot}", lambda gateway: gateway.stopper.release(robot))
-        self._checks.groups.disturbed(self._world.names if robot is None else [robot])
+        self._released(robot)
 
     async def release(self, robot: str | None) -> None:
         """Release a stop, if a gateway is there."""
         if await self._ask(f"release {robot}", lambda gateway: gateway.stopper.release(robot)):
-            self._checks.groups.disturbed(self._world.names if robot is None else [robot])
+            self._released(robot)
+
+    def _released(self, robot: str | None) -> None:
+        robots = self._world.names if robot is None else [robot]
+        self._checks.groups.disturbed(robots)
+        self._checks.rules.released(robots)

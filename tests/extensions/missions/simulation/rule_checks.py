@@ -50,6 +50,7 @@ class RuleChecks:
         self._batteries = batteries
         self._docked: dict[str, tuple[str, float]] = {}  # the last goal of a rule for each robot, and when it came
         self._continued: dict[str, float] = {}  # when somebody last continued the rule for a robot
+        self._released: dict[str, float] = {}  # when somebody last released a stop of each robot
         self._person_goals: dict[str, list[CarriedOut]] = defaultdict(list)
         self._able_for: dict[str, float] = {}  # for how many seconds each robot could have been docked
         self._unasked_for: dict[str, float] = {}  # and each mission could have been asked
@@ -67,6 +68,10 @@ class RuleChecks:
     def continued(self, robot: str, at: float) -> None:
         """Somebody lets the rule go on with a robot, or tries to, from a time on."""
         self._continued[robot] = at
+
+    def released(self, robots: list[str]) -> None:
+        """Somebody has released a stop, after which the rule waits for a person, too, if it was one."""
+        self._released |= dict.fromkeys(robots, self._now)
 
     def sent_by_person(self, robot: "Robot", goal: "CarriedOut") -> None:
         """A robot accepts a goal of somebody."""
@@ -138,7 +143,8 @@ class RuleChecks:
                 self._unasked_for[name] = 0.0
                 self._fault(f"{name} has {robot.charge:.2f} of its charge, and no rule has asked {mission_id}")
             began, _ = stops.get(name, (-1.0, -1.0))
-            stopped = began >= 0 and not self._is_continued_since(name, began)
+            since = max(began, self._released.get(name, -1.0))
+            stopped = since >= 0 and not self._is_continued_since(name, since)
             able = not at_work and not latched and not stopped and self._is_able(robot, missions)
             self._able_for[name] = self._able_for.get(name, -passed) + passed if able else 0.0
             if self._able_for[name] > IDLE + DOCKS_WITHIN:
