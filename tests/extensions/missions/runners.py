@@ -172,6 +172,7 @@ class Site:
             actions=actions,
             robot_actions=cast("Any", SimpleNamespace(docking_name=lambda *_: "/dock")),
             docks=cast("Any", server),
+            robots=cast("Any", self.robots),
             last_stops=self.last_stops[-1],
             clock=now,
         )

@@ -11,7 +11,7 @@ import pytest
 from dock_gateway.core.battery import PowerSupply
 from dock_gateway.core.errors import Conflict, DockOccupied, Unavailable
 from dock_gateway.core.fanout import Fanout
-from dock_gateway.core.goal import GoalStatus
+from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.grant import UNLIMITED
 from dock_gateway.extensions.missions import book, progress
 from dock_gateway.extensions.missions.book import MissionBook
@@ -403,6 +403,21 @@ async def test_a_step_that_waits_for_its_dock_fails_in_time() -> None:
     mission = await site.ended()
     error = mission.steps[0].error
     assert (mission.status, error and error.code) == (MissionStatus.FAILED, "step_timeout")
+
+
+@in_virtual_time
+async def test_a_step_that_waits_for_its_dock_also_waits_for_the_goal_of_somebody_else() -> None:
+    site = Site()
+    site.server.refuses = [DockOccupied("/robot2 stands on the dock") for _ in range(1000)]
+    await site.add(DOCK)
+    await asyncio.sleep(10)
+    other = site.server.goals["of a person"] = Goal("other", "/work", "pkg/action/T", NOON)
+    other.status = GoalStatus.EXECUTING
+    site.server.refuses = []
+    await asyncio.sleep(30)
+    assert (site.runners[0].book.waits["a"], [*site.server.goals]) == ("other_goal", ["of a person"])
+    site.server.end(other)
+    assert (await site.ended()).status is MissionStatus.SUCCEEDED
 
 
 def occupied(place: float = 1.0) -> DockOccupied:

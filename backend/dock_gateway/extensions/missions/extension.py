@@ -102,7 +102,12 @@ def _make_runner(
         docked=lambda robot: None if (state := fleet.state(robot)) is None else state.docked,
     )
     goals = StepGoals(
-        book, actions=actions, robot_actions=parts[RobotActions], docks=parts[Docks], last_stops=last_stops
+        book,
+        actions=actions,
+        robot_actions=parts[RobotActions],
+        docks=parts[Docks],
+        robots=parts[RobotRegistry],
+        last_stops=last_stops,
     )
     return MissionRunner(
         book,

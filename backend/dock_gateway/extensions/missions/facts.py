@@ -62,11 +62,10 @@ class FactsReader:
         step, robot = mission.current, mission.its_robot
         goal = await self._goal(mission_id, mission) if step.has_goal else None
         battery = self._battery(robot)
-        others = (each for each in self._actions.running() if each.goal_id != step.goal_id)
         return Facts(
             stopped=self._last_stops.any_since(robot, mission.allowed_since),
             latched=self._interlock.holds(robot),
-            other_goal=any(self._is_of(robot, each.action_name) for each in others),
+            other_goal=has_other_goal(robot, step.goal_id, self._actions, self._robots),
             battery=battery.percentage,
             charging=battery.power_supply in CHARGES,
             full=battery.power_supply == PowerSupply.FULL,
@@ -81,10 +80,6 @@ class FactsReader:
         latest = self._robots.get(robot).battery if robot in self._robots else None
         return BatteryReading() if latest is None or latest.age is None or latest.stale_since else latest.reading
 
-    def _is_of(self, robot: str, action_name: str) -> bool:
-        owner = self._robots.owner(action_name)
-        return owner is not None and owner.namespace == robot
-
     async def _goal(self, mission_id: str, mission: MissionEntry) -> Goal | None:
         """Return the goal of the present step, which may have been sent before a restart; None if there is none."""
         goal_id = mission.current.goal_id
@@ -94,6 +89,12 @@ class FactsReader:
             return await self._goals.get(goal_id)
         except NotFound:
             return None
+
+
+def has_other_goal(robot: str, goal_id: str | None, actions: ActionRegistry, robots: RobotRegistry) -> bool:
+    """Return whether a goal runs on a robot that is not this one."""
+    owners = (robots.owner(each.action_name) for each in actions.running() if each.goal_id != goal_id)
+    return any(owner is not None and owner.namespace == robot for owner in owners)
 
 
 def key_of_try(mission_id: str, mission: MissionEntry) -> str:

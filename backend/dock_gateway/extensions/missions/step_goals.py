@@ -10,7 +10,7 @@ from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.extensions.missions import progress, waiting
 from dock_gateway.extensions.missions.actions import action_of, read_goal
 from dock_gateway.extensions.missions.book import MissionBook
-from dock_gateway.extensions.missions.facts import key_of_try
+from dock_gateway.extensions.missions.facts import has_other_goal, key_of_try
 from dock_gateway.extensions.missions.mission import MissionEntry
 from dock_gateway.extensions.missions.moves import Facts, Wait, WaitsFor
 from dock_gateway.extensions.missions.step_entry import Reason
@@ -19,6 +19,7 @@ from dock_gateway.goals.action import Action
 from dock_gateway.goals.docks import Docks
 from dock_gateway.goals.registry import ActionRegistry
 from dock_gateway.goals.robot_actions import RobotActions
+from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.stop.last_stops import LastStops
 
 log = logging.getLogger(__name__)
@@ -32,6 +33,7 @@ class StepGoals:
         actions: All actions.
         robot_actions: Which of them dock and undock each robot.
         docks: The docks that the robots' docking servers know.
+        robots: The robots.
         last_stops: When robots were last stopped.
         clock: Returns the time.
 
@@ -46,6 +48,7 @@ class StepGoals:
         actions: ActionRegistry,
         robot_actions: RobotActions,
         docks: Docks,
+        robots: RobotRegistry,
         last_stops: LastStops,
         clock: Callable[[], datetime] = utc_now,
     ) -> None:
@@ -53,6 +56,7 @@ class StepGoals:
         self._actions = actions
         self._robot_actions = robot_actions
         self._docks = docks
+        self._robots = robots
         self._last_stops = last_stops
         self._clock = clock
         self.given_up: set[str] = set()
@@ -67,7 +71,7 @@ class StepGoals:
         if action is None:
             return Wait(WaitsFor.SERVER)
         try:
-            goal = await self._submit(mission_id, mission, action)
+            goal = await self._submit(mission_id, mission, action, facts)
         except DockOccupied as error:
             return await self._await_dock(mission_id, mission, facts, error)
         except (Unavailable, TooManyRequests) as error:
@@ -77,6 +81,8 @@ class StepGoals:
         except GatewayError as error:
             await self._book.change(mission_id, mission, self._refused(mission, error))
             return None
+        if isinstance(goal, Wait):
+            return goal
         accepted = goal is None or await self._book.change(mission_id, mission, progress.accept(mission, goal.goal_id))
         if goal is not None and not accepted and not progress.has_try(self._book.get(mission_id), mission):
             await self.cancel(goal)  # another gateway has canceled or held it before the goal was sent here
@@ -88,8 +94,8 @@ class StepGoals:
         action = None if name is None else self._actions.get(name)
         return action if action is not None and action.on_graph else None
 
-    async def _submit(self, mission_id: str, mission: MissionEntry, action: Action) -> Goal | None:
-        """Send the goal of the present step; return it, or None if the mission has changed meanwhile.
+    async def _submit(self, mission_id: str, mission: MissionEntry, action: Action, facts: Facts) -> Goal | Wait | None:
+        """Send the goal of the present step; return it, what it waits for, or None: the mission has changed.
 
         Raises:
             GatewayError: It is refused.
@@ -103,6 +109,8 @@ class StepGoals:
         if stored is None or stored.revision != mission.revision or held:
             return None  # such as one that another gateway holds for a stop
         # No wait from here to the submission, which notices every stop that comes later.
+        if facts.goal is None and has_other_goal(mission.its_robot, None, self._actions, self._robots):
+            return Wait(WaitsFor.OTHER_GOAL)  # a rule, or somebody, was first
         return await action.submitter.submit(message, key_of_try(mission_id, mission), sender=None)
 
     def _refused(self, mission: MissionEntry, error: GatewayError) -> MissionEntry:
