@@ -173,6 +173,18 @@ async def test_no_rule_docks_a_robot_that_was_stopped_until_somebody_says_so(sit
     assert len(site.robot.sent) == 1
 
 
+async def test_a_stop_is_stored_at_once(site: Site) -> None:
+    rules = site.gateway(sync_every=1000)
+    await rules.replace("low", changed(LOW_BATTERY, mode=RuleMode.DRY_RUN))
+    (gateway,) = site.gateways
+    rules.on_stop(ROBOT)
+    gateway.save_holds(ROBOT)
+    await until(lambda: ROBOT in site.held.known)
+    await gateway.close()  # it is killed, and starts again
+    other = site.gateway()
+    await until(lambda: other.holds(ROBOT))
+
+
 @pytest.mark.parametrize("origin", ["gateway", "external", "automation"])
 @pytest.mark.parametrize("status", [GoalStatus.SUCCEEDED, GoalStatus.ABORTED, GoalStatus.CANCELED])
 async def test_who_has_driven_the_robot_since_has_let_the_rules_go_on(

@@ -88,6 +88,11 @@ class AutomaticDocking:
         """Stop docking robots."""
         await self._tasks.close()
 
+    def save_holds(self, _: str) -> None:
+        """Store at once that a robot was stopped, or released: a gateway that is killed would forget it."""
+        if self._last_stops.unsaved:
+            self._tasks.spawn(self._last_stops.save())
+
     def on_end(self, goal: Goal) -> None:
         """Continue the automatic docking of a robot whose goal has succeeded, unless a rule or a mission sent it."""
         robot = self._robots.owner(goal.action_name)

@@ -51,10 +51,6 @@ async def open_automation(parts: Parts) -> AsyncIterator[DockingRules]:
         last_stops = LastStops(history.documents("hold", LastStop))
         book = SharedBook(history.documents("rule", RuleEntry), "rule", MAX_RULES)
         rules = DockingRules(fleet, book, decisions, last_stops)
-        for on_stop in (activity.active, rules.on_stop):
-            stack.enter_context(parts[Stopper].on_stop.adding(on_stop))
-        for on_release in (activity.active, rules.on_release):
-            stack.enter_context(parts[Interlock].on_release.adding(on_release))
         docking = AutomaticDocking(
             rules,
             FactReader(fleet, activity, lambda: graph_watch.shared, robots.is_at_work, rules.holds),
@@ -64,6 +60,10 @@ async def open_automation(parts: Parts) -> AsyncIterator[DockingRules]:
             history=history,
             robots=robots,
         )
+        for on_stop in (activity.active, rules.on_stop, docking.save_holds):
+            stack.enter_context(parts[Stopper].on_stop.adding(on_stop))
+        for on_release in (activity.active, rules.on_release, docking.save_holds):
+            stack.enter_context(parts[Interlock].on_release.adding(on_release))
         for on_end in (activity.on_end, docking.on_end):
             stack.enter_context(actions.on_end.adding(on_end))
         closed_by(stack, docking).start()
