@@ -32,7 +32,8 @@ class DriveChecks:
     - A robot on a dock stays there.
     - A drive takes no longer than four minutes, and its step no longer than its `timeout_s` with it.
     - A stop holds the mission, and the drive begins again only if somebody continues it.
-    - A robot that waits has the dock two minutes after it is free, unless others may come first. A drive ends before.
+    - A robot that waits has the dock two minutes after it is free, unless others may come first: those that want one,
+      and those that keep their turn for the five minutes that a drive may take. A drive ends before.
 
     Args:
         world: The run.
@@ -87,14 +88,16 @@ class DriveChecks:
     def _time_of(self, time: datetime | None) -> float:
         return 0.0 if time is None else time.timestamp() - START_NS / 1e9
 
-    def _live_waits(self) -> dict[str, tuple[object, ...]]:
-        """Return where robots wait, or are on their way to; without those that wait where they are."""
-        found, now = {}, self._world.now()
+    def _live_waits(self) -> dict[str, tuple[object, ...] | None]:
+        """Return where robots wait that keep their turn, or are on their way to; None: where they are."""
+        found: dict[str, tuple[object, ...] | None] = {}
+        now = self._world.now()
         for name, wait in dock_waits(self._world.disk).items():
             drives = wait["arrives_by"] is not None and now < datetime.fromisoformat(wait["arrives_by"])
             asks = now - datetime.fromisoformat(wait["asked_at"]) < ASKS_WITHIN
-            if wait["wait_at"] is not None and (drives or asks):
-                found[name] = tuple(wait["wait_at"][field] for field in ("frame", "x", "y"))
+            place = wait["wait_at"]
+            if drives or asks:
+                found[name] = None if place is None else tuple(place[field] for field in ("frame", "x", "y"))
         return found
 
     # ------------------------------------------------------------------ waits
@@ -102,9 +105,10 @@ class DriveChecks:
     def look(self, missions: Mapping[str, MissionEntry]) -> None:
         """Look at all missions that have not ended."""
         passed, self._looked_at = self._now - self._looked_at, self._now
-        places = [*self._live_waits().values()]
+        waits = self._live_waits()
+        places = [place for place in waits.values() if place is not None]
         if len(places) != len({*places}):
-            self._fault(f"two robots wait at one place: {self._live_waits()}")
+            self._fault(f"two robots wait at one place: {waits}")
         for mission_id, mission in missions.items():
             if mission.drive is not None and mission.status is MissionStatus.RUNNING:
                 self._look_at_drive(mission_id, mission, mission.drive)
@@ -112,8 +116,8 @@ class DriveChecks:
         for name in {*self._free_for} - {*waiting}:
             del self._free_for[name]
         for name, (mission_id, mission) in waiting.items():
-            others = sum(wants_dock(each) for each in missions.values() if each.robot != name)
-            if not self._could_have_dock(self._world.robots[name], mission, others):
+            others = {each.its_robot for each in missions.values() if wants_dock(each)} | {*waits}
+            if not self._could_have_dock(self._world.robots[name], mission, len(others - {name})):
                 self._free_for[name] = 0.0
                 continue
             self._free_for[name] = self._free_for.get(name, -passed) + passed
