@@ -109,7 +109,8 @@ class StepGoals:
         if stored is None or stored.revision != mission.revision or held:
             return None  # such as one that another gateway holds for a stop
         # No wait from here to the submission, which notices every stop that comes later.
-        if facts.goal is None and has_other_goal(mission.its_robot, None, self._actions, self._robots):
+        own = None if facts.goal is None else facts.goal.goal_id  # which a gateway that was killed may have sent
+        if has_other_goal(mission.its_robot, own, self._actions, self._robots):
             return Wait(WaitsFor.OTHER_GOAL)  # a rule, or somebody, was first
         return await action.submitter.submit(message, key_of_try(mission_id, mission), sender=None)
 
