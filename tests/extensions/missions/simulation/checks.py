@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 GIVEN_UP_AFTER = 5.0
 # Seconds after a stop in which another gateway may not have heard of it, and after which no goal of a mission runs.
 HEARD_AFTER, STANDS_AFTER = 1.0, 60.0
-# Seconds after which gateways that were not disturbed know what runs on a robot.
-KNOWN_AFTER = 15.0
+# Seconds for which a gateway may be sending a goal, and after which those that were not disturbed know what runs.
+SENDS_WITHIN, KNOWN_AFTER = 5.0, 15.0
 # Looks during which a mission may have been queued unnoticed by the gateway that begins another one.
 NOTICED_AFTER = 6
 
@@ -246,7 +246,8 @@ class Checks:
         """Check that a robot that begins a goal of a mission or a rule has no other one."""
         sent, calm = self.sent_at[goal.goal_id], max(self._world.calm_since[robot.name], self._world.gateways_since)
         for other in robot.running():
-            if max(other.at + 1.0, calm + KNOWN_AFTER) < sent and other.goal_id not in {goal.goal_id, *self._own}:
+            known = max(other.at + SENDS_WITHIN, calm + KNOWN_AFTER) < sent
+            if known and other.goal_id not in {goal.goal_id, *self._own}:
                 self.fault(f"{robot.name} begins {key} while somebody's {other.goal_id} runs")
             if other is not goal and other.goal_id in self._own and other.goal_id not in self._parted:
                 self.fault(f"{robot.name} begins {key} while {self._own[other.goal_id]} ({other.goal_id}) runs")

@@ -138,8 +138,8 @@ class DriveChecks:
         """Return whether a dock is free that a robot waits for, and no other one may have it before."""
         if robot.running() or not self._is_calm(robot.name, self._time_of(mission.current.started_at)):
             return False
-        named, free = (mission.current.request or {}).get("dock_id"), self._batteries.free_docks(robot)
-        return len(free) > others and (named is None or named in free)
+        wait, free = dock_waits(self._world.disk).get(robot.name), self._batteries.free_docks(robot)
+        return wait is not None and len(free) > others and any(dock in free for dock in wait["docks"])
 
 
 def step_of(mission: MissionEntry) -> StepEntry:
