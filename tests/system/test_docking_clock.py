@@ -12,9 +12,10 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import BatteryState
 
 from robot_io.halt import LONGEST
-from tests.support.docking import PATIENT, SUCCEEDED, Reports, Wheels, send_dock_goal, watch_wheels
+from tests.support.docking import PATIENT, SUCCEEDED, Reports, Wheels, battery_state, send_dock_goal, watch_wheels
 from tests.support.observer import Observer
 from tests.support.processes import ForkedProcess, Process, ros_environment
 from tests.support.waiting import wait_until
@@ -102,6 +103,22 @@ def test_the_servers_follow_a_simulated_clock(domain: int, observer: Observer) -
         report = reports.wait_for(goal_id=goal.goal_id, stage="SUCCEEDED")
         assert report["retries"] == "0"
         assert truth.messages[-1].header.stamp.sec < clock.seconds + 1.0
+
+
+def test_a_goal_that_comes_before_the_clock_begins_with_it(domain: int, observer: Observer) -> None:
+    """The clock begins at 1000 s, after a wait of far more than a battery may be silent."""
+    simulated = ("--ros-args", "-p", "use_sim_time:=true", "-p", "controller:=rotate")
+    with ForkedProcess("docking_server", *simulated, env=ros_environment(domain)):
+        wheels, battery = watch_wheels(observer), "battery_status"
+        goal = send_dock_goal(observer)
+        assert goal.accepted
+        time.sleep(1.0)
+        assert not wheels.moving
+        with simulated_time(observer):
+            with observer.publishing(battery_state(BatteryState.POWER_SUPPLY_STATUS_DISCHARGING), battery):
+                wait_until(lambda: wheels.moving, "a move")
+            with observer.publishing(battery_state(BatteryState.POWER_SUPPLY_STATUS_CHARGING), battery):
+                assert goal.result().status == SUCCEEDED
 
 
 @contextmanager

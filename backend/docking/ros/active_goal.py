@@ -22,6 +22,7 @@ class Execution:
         goal: The goal itself.
         end: Ends it, on the server it came to.
         nearest: Finds the dock, for a goal that asks for the nearest one; None once it is known.
+        waits_for_clock: Whether it came before a simulated clock said anything, so that it begins when that does.
         ended: Holds the outcome in the end.
     """
 
@@ -30,6 +31,7 @@ class Execution:
     goal: Goal
     end: Callable[[Outcome], None]
     nearest: NearestDock | None = None
+    waits_for_clock: bool = False
     ended: Future = field(default_factory=Future)
 
 

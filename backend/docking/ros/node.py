@@ -214,7 +214,7 @@ class ActionNode(WithoutEvents, LifecycleNode, Generic[S]):  # type: ignore[misc
         memory = self._active_goal.memory.as_json(now)
         goal = self._action.make_goal(settings, self._active_goal.memory, now)
         nearest = NearestDock(settings.choices, now) if settings.choices else None
-        execution = Execution(handle, goal_id, goal, self._end, nearest)
+        execution = Execution(handle, goal_id, goal, self._end, nearest, waits_for_clock=now == 0.0)
         self._running = self._active_goal.running = execution
         self._clock_watch.begin()
         self._reporter.begin(memory)
@@ -293,7 +293,7 @@ class ActionNode(WithoutEvents, LifecycleNode, Generic[S]):  # type: ignore[misc
 
     def _step(self, running: Execution) -> None:
         decided_at = time.monotonic()
-        if self._clock_watch.stopped:
+        if self._clock_watch.stopped or not self._has_begun(running):
             running.goal.pause()
             self._drive.go(STANDSTILL, decided_at)
             return
@@ -319,6 +319,21 @@ class ActionNode(WithoutEvents, LifecycleNode, Generic[S]):  # type: ignore[misc
         if step.stage is stage and not step.error_msg:
             self.get_logger().info(line, throttle_duration_sec=1.0)
         self._reporter.go_on(step, running.goal_id)
+
+    def _has_begun(self, running: Execution) -> bool:
+        """Begin with a goal that waits for the clock once there is one; whether it has begun.
+
+        The time before it is 0: a goal that began then would have lasted for years.
+        """
+        now = control_time(self)
+        if running.waits_for_clock and now != 0.0:
+            settings = self._settings.at_dock(running.handle.request.desired_battery_state.location)
+            running.goal = self._action.make_goal(settings, self._active_goal.memory, now)
+            running.nearest = NearestDock(settings.choices, now) if settings.choices else None
+            running.waits_for_clock = False
+            self._clock_watch.begin()
+            self._prepare(running.goal, settings)
+        return not running.waits_for_clock
 
     def _choose_dock(self, running: Execution, nearest: NearestDock) -> bool:
         """Begin with the goal for the nearest dock once that is known; whether it has begun."""
