@@ -49,7 +49,7 @@ class BatteryChecks:
 
     def look(self, missions: Mapping[str, MissionEntry]) -> None:
         """Look at all robots; `missions` are those that have not ended."""
-        now = self._world.chance.loop.time()
+        now = self._world.time
         passed, self._looked_at = now - self._looked_at, now
         on = {mission.its_robot: (key, mission) for key, mission in missions.items() if mission.active}
         self._note_held_docks()
@@ -65,16 +65,16 @@ class BatteryChecks:
         self._can = can
 
     def _look_at(self, robot: "Robot", mission_id: str, mission: MissionEntry | None) -> None:
-        checks, could = self._world.checks, self._could[robot.name]
+        could = self._could[robot.name]
         if robot.charge >= EMPTY:
             self._empty.discard(robot.name)
         elif robot.name not in self._empty:
             self._empty.add(robot.name)
-            checks.counts["empty"] += 1
+            self._world.checks.counts["empty"] += 1
         if could <= RETURNS_WITHIN or mission is None:
             return
         said = [gateway.missions.book.waits.get(mission_id) for gateway in self._world.gateways if gateway.ready]
-        checks.fault(
+        self._world.fault(
             f"{robot.name} has {robot.charge:.3f} of its charge, and could have returned for {could:.0f} s: "
             f"{mission_id} {mission.limits}, {said}, {mission.current!r:.500}"
         )
@@ -84,8 +84,8 @@ class BatteryChecks:
 
     def hindrance(self, robot: "Robot", mission: MissionEntry, missions: Mapping[str, MissionEntry]) -> str | None:
         """Return what keeps a robot from its return to charge; None: nothing."""
-        world, step, now = self._world, mission.current, self._world.chance.loop.time()
-        calm = max(world.calm_since[robot.name], world.gateways_since)
+        world, step, now = self._world, mission.current, self._world.time
+        calm = world.disturbed_at(robot.name)
         goals, on_break = robot.running(), mission.recharge
         reasons = {
             "a person": mission.status is not MissionStatus.RUNNING or mission.pausing or mission.recharge_skipped,
@@ -106,7 +106,7 @@ class BatteryChecks:
 
     def free_docks(self, robot: "Robot") -> list[str]:
         """Return the docks that a robot could have."""
-        docks, now = self._world.docks, self._world.chance.loop.time()
+        docks, now = self._world.docks, self._world.time
         taken = {*docks.robots, *docks.blocked}
         for other in self._world.robots.values():
             runs = (goal for goal in other.servers["dock"].goals.values() if goal.runs and other is not robot)
@@ -119,7 +119,7 @@ class BatteryChecks:
 
     def _note_held_docks(self) -> None:
         """Note since when docks are held for robots that neither stand there nor drive there, and are heard."""
-        now, held = self._world.chance.loop.time(), {}
+        now, held = self._world.time, {}
         for dock, record in dock_records(self._world.disk).items():
             name = record["hold"] and record["hold"]["robot"]
             if name is None:
@@ -128,7 +128,7 @@ class BatteryChecks:
             at = self._world.docks.robots.get(dock) == name
             lost = any(goal.status is GoalStatus.LOST for goal in self._world.goals_on(name))
             drives = any(goal.runs for goal in robot.servers["dock"].goals.values())
-            calm = max(self._world.calm_since[name], self._world.gateways_since)
+            calm = self._world.disturbed_at(name)
             left_alone = at or lost or drives or now - calm < NOTICED_AFTER or before[0] != name
             held[dock] = (name, now if left_alone else before[1])
         self._held_since = held

@@ -17,7 +17,6 @@ from tests.extensions.missions.simulation.group_checks import GroupChecks
 from tests.extensions.missions.simulation.rule_checks import BY_RULE, RuleChecks
 from tests.extensions.missions.simulation.stored import key_of, named, robot_of, stored_missions, tag_of
 from tests.extensions.missions.simulation.wait_checks import WaitChecks
-from tests.support.virtual import START_NS
 
 if TYPE_CHECKING:
     from tests.extensions.missions.simulation.gateway import Gateway
@@ -94,10 +93,6 @@ class Checks:
         self._world.chance.say("CHECK", what)
         self.found.append(what)
 
-    @property
-    def _now(self) -> float:
-        return self._world.chance.loop.time()
-
     # ------------------------------------------------------------------ what people do
 
     def queued(self, mission_id: str, mission: MissionEntry, group: str | None) -> None:
@@ -112,7 +107,7 @@ class Checks:
 
     def allowed(self, mission_id: str, robot: str) -> None:
         """Somebody lets a mission go on, or changes what its robot is to do."""
-        self._allowed[mission_id] = self._allowed[robot] = self._now
+        self._allowed[mission_id] = self._allowed[robot] = self._world.time
 
     def paused(self, mission_id: str) -> None:
         """Somebody has paused a mission."""
@@ -122,7 +117,7 @@ class Checks:
         """A stop was confirmed."""
         self.counts["stops"] += 1
         for robot in robots:
-            self._stops[robot] = (began, self._now)
+            self._stops[robot] = (began, self._world.time)
 
     # ------------------------------------------------------------------ what robots are sent
 
@@ -133,7 +128,7 @@ class Checks:
             return
         began, ended = self._stops.get(robot, (-1.0, -1.0))
         heard = ended + (HEARD_AFTER if self._world.troubles.gateways > 1 else 0.0)
-        stopped = began >= 0 and heard < self._now and self._allowed.get(robot, -1.0) < began
+        stopped = began >= 0 and heard < self._world.time and self._allowed.get(robot, -1.0) < began
         if stopped and not self._is_queued_since(robot, tag, began):
             self.fault(f"{gateway.name} sends {tag} to {robot}, which was stopped at {began:.3f}, and nobody continued")
 
@@ -147,7 +142,7 @@ class Checks:
             mission = next((each for each in own if each.active), None)
         if place is not None and self._allowed.get(place.mission_id, -1.0) > at:
             return True
-        return mission is not None and mission.created_at.timestamp() > START_NS / 1e9 + at
+        return mission is not None and self._world.time_of(mission.created_at) > at
 
     def called(self, gateway: "Gateway", robot: str, message: Mapping[str, Any]) -> None:
         """A service of a robot is called."""
@@ -172,7 +167,7 @@ class Checks:
             self._check_untagged(robot, server, goal)
             return
         self._carried[goal.tag].append(goal)
-        if self._now - self.sent_at[goal.goal_id] > GIVEN_UP_AFTER:  # it is canceled at once
+        if self._world.time - self.sent_at[goal.goal_id] > GIVEN_UP_AFTER:  # it is canceled at once
             self._parted.add(goal.goal_id)
             return
         self.counts["steps"] += 1
@@ -212,7 +207,7 @@ class Checks:
         key = key_of(self._world.disk, goal.goal_id)
         if key is None:
             self.rules.sent_by_person(robot, goal)
-        if key is None or self._now - self.sent_at[goal.goal_id] > GIVEN_UP_AFTER:
+        if key is None or self._world.time - self.sent_at[goal.goal_id] > GIVEN_UP_AFTER:
             return
         self._note_key(key, goal)
         if key.startswith(BY_RULE):
@@ -244,7 +239,7 @@ class Checks:
 
     def _check_alone(self, robot: "Robot", goal: "CarriedOut", key: str) -> None:
         """Check that a robot that begins a goal of a mission or a rule has no other one."""
-        sent, calm = self.sent_at[goal.goal_id], max(self._world.calm_since[robot.name], self._world.gateways_since)
+        sent, calm = self.sent_at[goal.goal_id], self._world.disturbed_at(robot.name)
         for other in robot.running():
             known = max(other.at + SENDS_WITHIN, calm + KNOWN_AFTER) < sent
             if known and other.goal_id not in {goal.goal_id, *self._own}:
@@ -256,14 +251,14 @@ class Checks:
     def _check_stop(self, robot: "Robot", mission_id: str, mission: MissionEntry) -> None:
         """Check that somebody let a robot move for a mission, if it was stopped before."""
         at = self.stopped_at(robot.name, mission_id, mission)
-        if at is not None and at < self._now - GIVEN_UP_AFTER:
+        if at is not None and at < self._world.time - GIVEN_UP_AFTER:
             self.fault(f"{robot.name} moves for {mission_id}, was stopped at {at:.3f}, and nobody continued")
 
     def stopped_at(self, robot: str, mission_id: str, mission: MissionEntry) -> float | None:
         """Return when a robot was stopped, if nobody has let a mission go on since; else None."""
         began, ended = self._stops.get(robot, (-1.0, -1.0))
         allowed = max(self._allowed.get(robot, -1.0), self._allowed.get(mission_id, -1.0))
-        created = mission.created_at.timestamp() - START_NS / 1e9
+        created = self._world.time_of(mission.created_at)
         return ended if began >= 0 and max(allowed, created) < began else None
 
     def _check_dock(self, robot: "Robot", dock: str) -> None:
@@ -320,8 +315,7 @@ class Checks:
         self._drives.look(missions)
         self.rules.look(missions, self._stops)
         for name, (began, ended) in self._stops.items():
-            calm = max(ended, self._world.calm_since[name], self._world.gateways_since)
-            if self._allowed.get(name, -1.0) < began and self._now - calm > STANDS_AFTER:
+            if self._allowed.get(name, -1.0) < began and self._world.is_calm(name, ended, STANDS_AFTER):
                 self._check_stands(self._world.robots[name], ended)
         self.groups.look({mission.its_robot for mission in missions.values() if mission.active})
 

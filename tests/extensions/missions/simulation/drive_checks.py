@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
 from dock_gateway.extensions.missions.step_entry import StepEntry, StepStatus
 from dock_gateway.extensions.missions.waiting import DRIVES_WITHIN
+from tests.extensions.missions.simulation.duration import Duration
 from tests.extensions.missions.simulation.stored import dock_waits
-from tests.support.virtual import START_NS
 
 if TYPE_CHECKING:
     from tests.extensions.missions.simulation.battery_checks import BatteryChecks
@@ -44,19 +44,8 @@ class DriveChecks:
         self._world = world
         self._batteries = batteries
         self._sent: dict[tuple[object, ...], tuple[str, object]] = {}  # the last drive in each wait, and where to
-        self._free_for: dict[str, float] = {}  # for how many seconds the dock has been free that a robot waits for
+        self._free = Duration(FREE_AFTER)  # the dock that a robot waits for
         self._looked_at = 0.0
-
-    @property
-    def _now(self) -> float:
-        return self._world.chance.loop.time()
-
-    def _fault(self, what: str) -> None:
-        self._world.checks.fault(what)
-
-    def _is_calm(self, robot: str, since: float) -> bool:
-        """Return whether gateways have noticed what was so since a time."""
-        return self._now - max(since, self._world.calm_since[robot], self._world.gateways_since) > NOTICED_AFTER
 
     # ------------------------------------------------------------------ drives
 
@@ -65,28 +54,29 @@ class DriveChecks:
         self._world.checks.counts["drives to waiting places"] += 1
         drive, place = mission.drive, mission.wait_at
         if drive is None or key != f"mission-{mission_id}-{mission.position}-{drive.attempt}":
-            self._fault(f"{key} is carried out, and {mission_id} is at {mission.position}: {drive!r:.300}")
+            self._world.fault(f"{key} is carried out, and {mission_id} is at {mission.position}: {drive!r:.300}")
             return
         asks = step_of(mission)
         position = (mission.step, mission.recharge and mission.recharge.number)
         wait = (mission_id, position, asks.attempt, mission.allowed_since)
         last = self._sent.get(wait)
         if last is not None and last[0] != key and last[1] == place:
-            self._fault(f"{mission_id} sends {robot.name} to {place} again, in one wait: {last[0]}, {key}")
+            self._world.fault(f"{mission_id} sends {robot.name} to {place} again, in one wait: {last[0]}, {key}")
         self._sent[wait] = (key, place)
-        began = self._time_of(drive.started_at)
-        if robot.dock is not None and robot.docked_at < began and self._is_calm(robot.name, robot.docked_at):
-            self._fault(f"{robot.name} leaves {robot.dock} for where it waits")
+        began = self._world.time_of(drive.started_at)
+        if (
+            robot.dock is not None
+            and robot.docked_at < began
+            and self._world.is_calm(robot.name, robot.docked_at, NOTICED_AFTER)
+        ):
+            self._world.fault(f"{robot.name} leaves {robot.dock} for where it waits")
         for name, wait_entry in self._live_waits().items():
             if name != robot.name and place is not None and wait_entry == (place.frame, place.x, place.y):
-                self._fault(f"{robot.name} drives to {place}, where {name} waits")
+                self._world.fault(f"{robot.name} drives to {place}, where {name} waits")
         if asks.fails_at is not None and drive.fails_at is not None:
             over = (drive.fails_at - asks.fails_at).total_seconds()
-            if over > 2 * self._world.troubles.look_every and self._is_calm(robot.name, began):
-                self._fault(f"{key} may take {over:.0f} s longer than its step")
-
-    def _time_of(self, time: datetime | None) -> float:
-        return 0.0 if time is None else time.timestamp() - START_NS / 1e9
+            if over > 2 * self._world.troubles.look_every and self._world.is_calm(robot.name, began, NOTICED_AFTER):
+                self._world.fault(f"{key} may take {over:.0f} s longer than its step")
 
     def _live_waits(self) -> dict[str, tuple[object, ...] | None]:
         """Return where robots wait that keep their turn, or are on their way to; None: where they are."""
@@ -104,39 +94,36 @@ class DriveChecks:
 
     def look(self, missions: Mapping[str, MissionEntry]) -> None:
         """Look at all missions that have not ended."""
-        passed, self._looked_at = self._now - self._looked_at, self._now
+        passed, self._looked_at = self._world.time - self._looked_at, self._world.time
         waits = self._live_waits()
         places = [place for place in waits.values() if place is not None]
         if len(places) != len({*places}):
-            self._fault(f"two robots wait at one place: {waits}")
+            self._world.fault(f"two robots wait at one place: {waits}")
         for mission_id, mission in missions.items():
             if mission.drive is not None and mission.status is MissionStatus.RUNNING:
                 self._look_at_drive(mission_id, mission, mission.drive)
         waiting = {mission.its_robot: (key, mission) for key, mission in missions.items() if _waits(mission)}
-        for name in {*self._free_for} - {*waiting}:
-            del self._free_for[name]
+        self._free.keep({*waiting})
         for name, (mission_id, mission) in waiting.items():
             others = {each.its_robot for each in missions.values() if wants_dock(each)} | {*waits}
-            if not self._could_have_dock(self._world.robots[name], mission, len(others - {name})):
-                self._free_for[name] = 0.0
-                continue
-            self._free_for[name] = self._free_for.get(name, -passed) + passed
-            if self._free_for[name] > FREE_AFTER:
-                self._free_for[name] = 0.0
-                self._fault(f"{mission_id} waits for a dock that is free for {name}: {mission.current!r:.300}")
+            free = self._could_have_dock(self._world.robots[name], mission, len(others - {name}))
+            if self._free.exceeds(name, passed, holds=free):
+                self._world.fault(f"{mission_id} waits for a dock that is free for {name}: {mission.current!r:.300}")
 
     def _look_at_drive(self, mission_id: str, mission: MissionEntry, drive: StepEntry) -> None:
-        robot, began = mission.its_robot, self._time_of(drive.started_at)
+        robot, began = mission.its_robot, self._world.time_of(drive.started_at)
         stopped = self._world.checks.stopped_at(robot, mission_id, mission)
-        if stopped is not None and self._is_calm(robot, stopped):
-            self._fault(f"{robot} was stopped at {stopped:.3f}, and {mission_id} is not held: it drives to wait")
-        late = drive.status is StepStatus.RUNNING and self._now - began > DRIVES_WITHIN + ENDS_WITHIN
-        if late and self._is_calm(robot, began):
-            self._fault(f"{robot} drives to where it waits for {self._now - began:.0f} s")
+        if stopped is not None and self._world.is_calm(robot, stopped, NOTICED_AFTER):
+            self._world.fault(f"{robot} was stopped at {stopped:.3f}, and {mission_id} is not held: it drives to wait")
+        late = drive.status is StepStatus.RUNNING and self._world.time - began > DRIVES_WITHIN + ENDS_WITHIN
+        if late and self._world.is_calm(robot, began, NOTICED_AFTER):
+            self._world.fault(f"{robot} drives to where it waits for {self._world.time - began:.0f} s")
 
     def _could_have_dock(self, robot: "Robot", mission: MissionEntry, others: int) -> bool:
         """Return whether a dock is free that a robot waits for, and no other one may have it before."""
-        if robot.running() or not self._is_calm(robot.name, self._time_of(mission.current.started_at)):
+        if robot.running() or not self._world.is_calm(
+            robot.name, self._world.time_of(mission.current.started_at), NOTICED_AFTER
+        ):
             return False
         wait, free = dock_waits(self._world.disk).get(robot.name), self._batteries.free_docks(robot)
         return wait is not None and len(free) > others and any(dock in free for dock in wait["docks"])

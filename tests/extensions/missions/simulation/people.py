@@ -186,7 +186,7 @@ class People:
 
     async def continue_rule(self) -> None:
         """Let the rule go on with a robot that may have been stopped."""
-        robot, began = self._random.choice(self._world.ruled), self._world.chance.loop.time()
+        robot, began = self._random.choice(self._world.ruled), self._world.time
         ask: Ask = lambda gateway: gateway.rules.last_stops.allow(robot)  # noqa: E731 - of one line
         if await self._ask(f"continue the rule for {robot}", ask):
             self._checks.rules.continued(robot, began)
@@ -195,7 +195,7 @@ class People:
         robot = self._random.choice([None, *self._world.names, *self._world.names])
         latch = self._random.random() < 0.6
         robots = [] if robot is None else [robot]
-        began = self._world.chance.loop.time()
+        began = self._world.time
         self._checks.groups.disturbed(robots or self._world.names)
         if await self._ask(f"stop {robot}, latch {latch}", lambda gateway: gateway.stopper.stop(*robots, latch=latch)):
             self._checks.stopped(robots or self._world.names, began)

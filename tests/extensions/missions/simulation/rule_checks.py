@@ -9,8 +9,8 @@ from dock_gateway.core.goal import GoalStatus
 from dock_gateway.extensions.missions.mission import MissionEntry, MissionStatus
 from dock_gateway.fleet.fleet import Fleet
 from tests.extensions.missions.simulation.drive_checks import wants_dock
+from tests.extensions.missions.simulation.duration import Duration
 from tests.extensions.missions.simulation.stored import decisions_of_rules, dock_waits
-from tests.support.virtual import START_NS
 
 if TYPE_CHECKING:
     from tests.extensions.missions.simulation.battery_checks import BatteryChecks
@@ -52,16 +52,9 @@ class RuleChecks:
         self._continued: dict[str, float] = {}  # when somebody last continued the rule for a robot
         self._released: dict[str, float] = {}  # when somebody last released a stop of each robot
         self._person_goals: dict[str, list[CarriedOut]] = defaultdict(list)
-        self._able_for: dict[str, float] = {}  # for how many seconds each robot could have been docked
-        self._unasked_for: dict[str, float] = {}  # and each mission could have been asked
+        self._able = Duration(IDLE + DOCKS_WITHIN)  # robots that could have been docked
+        self._unasked = Duration(ASKS_WITHIN)  # robots whose missions could have been asked
         self._looked_at = 0.0
-
-    @property
-    def _now(self) -> float:
-        return self._world.chance.loop.time()
-
-    def _fault(self, what: str) -> None:
-        self._world.checks.fault(what)
 
     # ------------------------------------------------------------------ people
 
@@ -71,7 +64,7 @@ class RuleChecks:
 
     def released(self, robots: list[str]) -> None:
         """Somebody has released a stop, after which the rule waits for a person, too, if it was one."""
-        self._released |= dict.fromkeys(robots, self._now)
+        self._released |= dict.fromkeys(robots, self._world.time)
 
     def sent_by_person(self, robot: "Robot", goal: "CarriedOut") -> None:
         """A robot accepts a goal of somebody."""
@@ -89,35 +82,28 @@ class RuleChecks:
         world.checks.counts["docks by a rule"] += 1
         sent = world.checks.sent_at[goal.goal_id]
         before, at = self._docked.get(name, ("", -RETRY_AFTER))
-        if before != key and self._now - at < RETRY_AFTER - 10.0:
-            self._fault(f"a rule docks {name} again after {self._now - at:.0f} s")
-        self._docked[name] = (key, self._now)
+        if before != key and self._world.time - at < RETRY_AFTER - 10.0:
+            self._world.fault(f"a rule docks {name} again after {self._world.time - at:.0f} s")
+        self._docked[name] = (key, self._world.time)
         if name not in world.ruled:
-            self._fault(f"a rule docks {name}, to which it does not apply")
+            self._world.fault(f"a rule docks {name}, to which it does not apply")
         if robot.charge > BELOW and sent > robot.changed_at + 10.0:
-            self._fault(f"a rule docks {name}, whose charge is {robot.charge:.2f}")
+            self._world.fault(f"a rule docks {name}, whose charge is {robot.charge:.2f}")
         if robot.dock is not None and robot.docked_at < sent - 1.0:
-            self._fault(f"a rule docks {name}, which stands on {robot.dock}")
+            self._world.fault(f"a rule docks {name}, which stands on {robot.dock}")
         began, ended = stop
         heard = ended + (1.0 if world.troubles.gateways > 1 else 0.0)
         if began >= 0 and heard < sent and not self._is_continued_since(name, began):
-            self._fault(f"a rule docks {name}, which was stopped at {began:.3f}, and nobody continued")
+            self._world.fault(f"a rule docks {name}, which was stopped at {began:.3f}, and nobody continued")
         for other in robot.running():
-            if other is not goal and other.at < sent - 1.0 and self._is_calm(robot, other.at, 10.0):
-                self._fault(f"a rule docks {name} while {other.goal_id} runs")
+            if other is not goal and other.at < sent - 1.0 and self._world.is_calm(name, other.at, 10.0):
+                self._world.fault(f"a rule docks {name} while {other.goal_id} runs")
         known_after = 1.0 if world.troubles.gateways == 1 else 3 * world.troubles.look_every
         for mission_id, mission in world.checks.stored().items():
             on = mission.active and mission.its_robot == name and mission.status is MissionStatus.RUNNING
-            since = max(self._time_of(mission.started_at), self._time_of(mission.allowed_at))
+            since = max(self._world.time_of(mission.started_at), self._world.time_of(mission.allowed_at))
             if on and since < sent - known_after and world.gateways_since < sent - known_after:
-                self._fault(f"a rule docks {name} on its mission {mission_id}: {mission.current!r:.300}")
-
-    def _time_of(self, time: datetime | None) -> float:
-        return 0.0 if time is None else time.timestamp() - START_NS / 1e9
-
-    def _is_calm(self, robot: "Robot", since: float, seconds: float = NOTICED_AFTER) -> bool:
-        calm = max(since, self._world.calm_since[robot.name], self._world.gateways_since)
-        return self._now - calm > seconds
+                self._world.fault(f"a rule docks {name} on its mission {mission_id}: {mission.current!r:.300}")
 
     # ------------------------------------------------------------------ robots that it should dock
 
@@ -128,33 +114,33 @@ class RuleChecks:
             missions: The missions that have not ended.
             stops: When the last stop of each robot began and had ended.
         """
-        passed, self._looked_at = self._now - self._looked_at, self._now
+        passed, self._looked_at = self._world.time - self._looked_at, self._world.time
         on = {mission.its_robot: (key, mission) for key, mission in missions.items() if mission.active}
         for name in self._world.ruled:
             robot = self._world.robots[name]
             mission_id, mission = on.get(name, ("", None))
             at_work = mission is not None and mission.status is not MissionStatus.HELD
             latched = any(gateway.interlock.holds(name) for gateway in self._world.gateways if gateway.ready)
-            unasked = at_work and mission is not None and mission.status is MissionStatus.RUNNING
-            unasked = unasked and mission is not None and mission.limits is None and not latched
-            unasked = unasked and robot.charge < ASKS_BELOW and self._is_calm(robot, 0.0)
-            self._unasked_for[name] = self._unasked_for.get(name, -passed) + passed if unasked else 0.0
-            if self._unasked_for[name] > ASKS_WITHIN:
-                self._unasked_for[name] = 0.0
-                self._fault(f"{name} has {robot.charge:.2f} of its charge, and no rule has asked {mission_id}")
+            unasked = not latched and mission is not None and self._is_to_be_asked(robot, mission)
+            if self._unasked.exceeds(name, passed, holds=unasked):
+                self._world.fault(f"{name} has {robot.charge:.2f} of its charge, and no rule has asked {mission_id}")
             began, _ = stops.get(name, (-1.0, -1.0))
             since = max(began, self._released.get(name, -1.0))
             stopped = since >= 0 and not self._is_continued_since(name, since)
             able = not at_work and not latched and not stopped and self._is_able(robot, missions)
-            self._able_for[name] = self._able_for.get(name, -passed) + passed if able else 0.0
-            if self._able_for[name] > IDLE + DOCKS_WITHIN:
-                self._able_for[name] = 0.0
+            if self._able.exceeds(name, passed, holds=able):
                 said = [gateway.rules.waits for gateway in self._world.gateways if gateway.ready]
-                self._fault(f"{name} has {robot.charge:.2f} of its charge, and no rule docks it: {said}")
+                self._world.fault(f"{name} has {robot.charge:.2f} of its charge, and no rule docks it: {said}")
+
+    def _is_to_be_asked(self, robot: "Robot", mission: MissionEntry) -> bool:
+        """Return whether the rule asks a mission on which a robot is to let it charge."""
+        asks = mission.status is MissionStatus.RUNNING and mission.limits is None and robot.charge < ASKS_BELOW
+        return asks and self._world.is_calm(robot.name, 0.0, NOTICED_AFTER)
 
     def _is_able(self, robot: "Robot", missions: Mapping[str, MissionEntry]) -> bool:
         """Return whether the rule docks a robot that is on no mission, once it has been idle for long enough."""
-        if robot.charge >= BELOW or robot.running() or robot.dock is not None or not self._is_calm(robot, 0.0):
+        calm = self._world.is_calm(robot.name, 0.0, NOTICED_AFTER)
+        if robot.charge >= BELOW or robot.running() or robot.dock is not None or not calm:
             return False
         if any(goal.status is GoalStatus.LOST for goal in self._world.goals_on(robot.name)):
             return False

@@ -31,54 +31,47 @@ class WaitChecks:
         self._idle_since: dict[str, float] = {}  # robots
         self._docks_free_since = 0.0
 
-    @property
-    def _now(self) -> float:
-        return self._world.chance.loop.time()
-
-    def _fault(self, what: str) -> None:
-        self._world.checks.fault(what)
-
     def look_at(self, mission_id: str, mission: MissionEntry) -> None:
         """Look at a mission that has not ended."""
         revision, since = self._changed.get(mission_id, (-1, 0.0))
         if revision != mission.revision:
-            self._changed[mission_id] = (mission.revision, self._now)
-        elif self._now - since > self._goes_on_after and not mission.status.ended:
+            self._changed[mission_id] = (mission.revision, self._world.time)
+        elif self._world.time - since > self._goes_on_after and not mission.status.ended:
             self._check_wait(mission_id, mission, idle=self._is_idle(robot_of(mission)))
 
     def look_at_robots(self, active: Mapping[str, int]) -> None:
         """Note since when robots are on no mission, and nobody stands at a dock, drives to one, or to wait for one."""
         for robot in self._world.names:
             if active.get(robot):
-                self._idle_since[robot] = self._now
+                self._idle_since[robot] = self._world.time
         robots = self._world.robots.values()
         servers = (each.servers[kind] for each in robots for kind in ("dock", "navigate") if kind in each.servers)
         drives = any(goal.runs for server in servers for goal in server.goals.values())
         if self._world.docks.robots or drives:
-            self._docks_free_since = self._now
+            self._docks_free_since = self._world.time
 
     def _is_idle(self, robot: str) -> bool:
-        return self._now - self._idle_since.get(robot, 0.0) > self._goes_on_after
+        return self._world.time - self._idle_since.get(robot, 0.0) > self._goes_on_after
 
     def _check_wait(self, mission_id: str, mission: MissionEntry, *, idle: bool) -> None:
         """Check that a mission that has not changed for long has a reason for that, and says it."""
         gateways = [gateway for gateway in self._world.gateways if gateway.ready and not gateway.dead]
-        if not gateways or any(self._now - gateway.ready_at < self._goes_on_after for gateway in gateways):
+        if not gateways or any(self._world.time - gateway.ready_at < self._goes_on_after for gateway in gateways):
             return
         if mission.status is MissionStatus.HELD:
             if mission.held_for is None:
-                self._fault(f"{mission_id} is held, and does not say why")
+                self._world.fault(f"{mission_id} is held, and does not say why")
             return
         said = [gateway.missions.book.waits.get(mission_id) for gateway in gateways]
         if not all(said):
-            self._fault(f"{mission_id} does not say what it waits for")
+            self._world.fault(f"{mission_id} does not say what it waits for")
         if mission.robot is None:
             if not self._world.checks.groups.may_wait(mission, self._goes_on_after):
-                self._fault(f"{mission_id} for {mission.group} does not begin: {said}")
+                self._world.fault(f"{mission_id} for {mission.group} does not begin: {said}")
             return
-        if self._now - self._world.calm_since[robot_of(mission)] < self._goes_on_after:
+        if self._world.time - self._world.calm_since[robot_of(mission)] < self._goes_on_after:
             return
-        if WaitsFor.DOCK in said and self._now - self._docks_free_since < self._goes_on_after:
+        if WaitsFor.DOCK in said and self._world.time - self._docks_free_since < self._goes_on_after:
             return
         if self._may_wait(mission, idle=idle):
             self._stuck.pop(mission_id, None)
@@ -90,8 +83,8 @@ class WaitChecks:
         if self._stuck.get(mission_id) != mission.revision:
             self._stuck[mission_id] = mission.revision
             return
-        self._fault(f"{mission_id} does not go on: {said}, {mission.status.value}, step {mission.current!r:.400}")
-        self._changed[mission_id] = (mission.revision, self._now)
+        self._world.fault(f"{mission_id} does not go on: {said}, {mission.status.value}, step {mission.current!r:.400}")
+        self._changed[mission_id] = (mission.revision, self._world.time)
 
     def _may_wait(self, mission: MissionEntry, *, idle: bool) -> bool:
         robot = self._world.robots[robot_of(mission)]

@@ -23,6 +23,7 @@ from tests.extensions.missions.simulation.rule_checks import BELOW, IDLE
 from tests.extensions.missions.simulation.server import Server
 from tests.extensions.missions.simulation.stored import share_docks, share_groups, store_rule
 from tests.extensions.missions.simulation.troubles import HOUR, Troubles
+from tests.support.virtual import START_NS
 
 # Seconds for which missions may take to end once nothing goes wrong any more.
 SETTLES_WITHIN = 4 * HOUR
@@ -66,6 +67,27 @@ class World:
         self.shares_docks = SHARES_DOCKS in OURS
         self.ruled = self.names[: troubles.rules] if HAS_RULES in OURS else []
         self._troubled = True
+
+    @property
+    def time(self) -> float:
+        """Seconds since the run began."""
+        return self.chance.loop.time()
+
+    def time_of(self, moment: datetime | None) -> float:
+        """Return a moment as `time`; 0.0: there is none."""
+        return 0.0 if moment is None else moment.timestamp() - START_NS / 1e9
+
+    def fault(self, what: str) -> None:
+        """Note that something is wrong."""
+        self.checks.fault(what)
+
+    def disturbed_at(self, robot: str) -> float:
+        """Return when something was last in the way of a robot, or of the gateways."""
+        return max(self.calm_since[robot], self.gateways_since)
+
+    def is_calm(self, robot: str, since: float, seconds: float) -> bool:
+        """Return whether nothing has been in their way since a time, for so many seconds at least."""
+        return self.time - max(since, self.disturbed_at(robot)) > seconds
 
     def now(self) -> datetime:
         """Return the time."""
@@ -122,8 +144,8 @@ class World:
         for each in work:
             self.chance.spawn(self._noting(each))
         self.chance.spawn(self._noting(self._watch_robots()))
-        until = self.chance.loop.time() + troubles.lasts
-        while self.chance.loop.time() < until:
+        until = self.time + troubles.lasts
+        while self.time < until:
             await asyncio.sleep(60.0)
             self.checks.look()
         await self._settle()
@@ -132,7 +154,7 @@ class World:
     async def _watch_robots(self) -> None:
         while True:
             await asyncio.sleep(2 * self.troubles.look_every)
-            now = self.chance.loop.time()
+            now = self.time
             for robot in self.robots.values():
                 if robot.charge <= 0 and robot.on:
                     self.chance.say("world", f"the battery of {robot.name} is empty")
@@ -152,7 +174,7 @@ class World:
         except Exception as error:  # noqa: BLE001 - whatever it is, the run shows nothing then
             if gateway is not None and gateway.dead:
                 return
-            self.checks.fault(f"the simulation failed: {error!r}")
+            self.fault(f"the simulation failed: {error!r}")
 
     async def _often(self, every: float, do: Callable[[], Awaitable[None]]) -> None:
         while self._troubled:
@@ -168,8 +190,8 @@ class World:
         for robot in self.robots.values():
             robot.mend()
             robot.change_battery()
-        began = self.chance.loop.time()
-        while self.chance.loop.time() - began < SETTLES_WITHIN:
+        began = self.time
+        while self.time - began < SETTLES_WITHIN:
             await asyncio.sleep(60.0)
             self.checks.look()
             if not any(gateway.ready and not gateway.dead for gateway in self.gateways):
@@ -207,13 +229,13 @@ class World:
     def _start(self, name: str) -> None:
         gateway = Gateway(self, name, self._files[name], self._spools[name])
         self.gateways = [other for other in self.gateways if not other.dead] + [gateway]
-        self.gateways_since = self.chance.loop.time()
+        self.gateways_since = self.time
         gateway.spawn(self._noting(gateway.run(), gateway))
 
     def on_killed(self, gateway: Gateway) -> None:
         """A gateway was killed; it starts again."""
         self.checks.counts["kills"] += 1
-        self.gateways_since = self.chance.loop.time()
+        self.gateways_since = self.time
         self.chance.later(
             self._random.choice([0.5, 5.0, self._random.uniform(5, 120)]), lambda: self._start(gateway.name)
         )
@@ -244,7 +266,7 @@ class World:
         def arrive() -> None:
             if not gateway.dead:
                 with gateway.running():
-                    gateway.interlock.heard(namespace, latched=latched, received=self.chance.loop.time())
+                    gateway.interlock.heard(namespace, latched=latched, received=self.time)
 
         self.chance.later(self.chance.latency(), arrive)
 
@@ -253,7 +275,7 @@ class World:
     def on_send(self, gateway: Gateway, server: Server, goal_id: str, message: dict[str, Any]) -> None:
         """A gateway sends a goal."""
         self.chance.say(gateway.name, f"sends {goal_id} {message} to {server.name}")
-        self.checks.sent_at[goal_id] = self.chance.loop.time()
+        self.checks.sent_at[goal_id] = self.time
         self.checks.sent(gateway, server.robot.name, message)
 
     def on_call(self, gateway: Gateway, service: str, request: dict[str, Any]) -> None:
@@ -271,7 +293,7 @@ class World:
         if not robot.there or not server.up:
             return
         self.chance.say("world", f"{kind} {robot.name} {server.name} for {takes:.0f} s")
-        self.calm_since[robot.name] = self.chance.loop.time() + takes
+        self.calm_since[robot.name] = self.time + takes
         if kind == "freeze":
             self.checks.lost_sight(robot)
             server.freeze(takes)
