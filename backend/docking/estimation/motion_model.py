@@ -180,7 +180,7 @@ class MotionModel:
     def _learn_dead_zone(self, now: float) -> None:
         began, commanded, measured = self.history.last_step()
         dt, told = now - began, self.commanded
-        if not (_is(commanded.way, told.linear_x * dt) and _is(commanded.turn, told.angular_z * dt)):
+        if not (_same(commanded.way, told.linear_x * dt) and _same(commanded.turn, told.angular_z * dt)):
             return  # the command has changed since: what was measured is of both
         zone = [self.dead_zone.linear_x, self.dead_zone.angular_z]
         most = (DEAD_ZONE_MAX.linear_x, DEAD_ZONE_MAX.angular_z)
@@ -245,6 +245,6 @@ class MotionModel:
         return abs(measured.turn) > 0.5 * abs(commanded.turn)
 
 
-def _is(one: float, other: float) -> bool:
+def _same(one: float, other: float) -> bool:
     """Whether two ways or turns are the same, but for rounding."""
     return math.isclose(one, other, rel_tol=1e-6, abs_tol=1e-9)

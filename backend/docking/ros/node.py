@@ -212,8 +212,7 @@ class ActionNode(WithoutEvents, LifecycleNode, Generic[S]):  # type: ignore[misc
         settings = self._settings.at_dock(handle.request.desired_battery_state.location)
         now = control_time(self)
         memory = self._active_goal.memory.as_json(now)
-        goal = self._action.make_goal(settings, self._active_goal.memory, now)
-        nearest = NearestDock(settings.choices, now) if settings.choices else None
+        goal, nearest = self._make(settings, now)
         execution = Execution(handle, goal_id, goal, self._end, nearest, waits_for_clock=now == 0.0)
         self._running = self._active_goal.running = execution
         self._clock_watch.begin()
@@ -225,6 +224,11 @@ class ActionNode(WithoutEvents, LifecycleNode, Generic[S]):  # type: ignore[misc
             self._prepare(goal, settings)
         except Exception as error:  # noqa: BLE001 - such as a `qos_overrides` parameter that is wrong
             self._fail(error)
+
+    def _make(self, settings: S, now: float) -> tuple[Goal, NearestDock | None]:
+        """Return a goal that begins now, and what finds its dock, if that is to be the nearest one."""
+        nearest = NearestDock(settings.choices, now) if settings.choices else None
+        return self._action.make_goal(settings, self._active_goal.memory, now), nearest
 
     def _prepare(self, goal: Goal, settings: S) -> None:
         needs = self._action.needs(settings)
@@ -328,8 +332,7 @@ class ActionNode(WithoutEvents, LifecycleNode, Generic[S]):  # type: ignore[misc
         now = control_time(self)
         if running.waits_for_clock and now != 0.0:
             settings = self._settings.at_dock(running.handle.request.desired_battery_state.location)
-            running.goal = self._action.make_goal(settings, self._active_goal.memory, now)
-            running.nearest = NearestDock(settings.choices, now) if settings.choices else None
+            running.goal, running.nearest = self._make(settings, now)
             running.waits_for_clock = False
             self._clock_watch.begin()
             self._prepare(running.goal, settings)
@@ -347,8 +350,7 @@ class ActionNode(WithoutEvents, LifecycleNode, Generic[S]):  # type: ignore[misc
             return False
         self.get_logger().info(f"The nearest dock is '{place.dock}'.")
         settings = self._settings.at_dock(place.dock)
-        running.goal = self._action.make_goal(settings, self._active_goal.memory, control_time(self))
-        running.nearest = None
+        running.goal, running.nearest = self._make(settings, control_time(self))
         self._prepare(running.goal, settings)
         return True
 
