@@ -13,7 +13,7 @@
   function isDrawn(element) {
     if (!element.checkVisibility({ opacityProperty: true, visibilityProperty: true })) return false;
     for (const each of parents(element)) {
-      if (each.closest("[inert]") === each) return false;
+      if (each.hasAttribute("inert")) return false;
       const { clip, clipPath, position } = style(each);
       if (position === "absolute" && (clip !== "auto" || clipPath === "inset(50%)")) return false;
     }
@@ -29,15 +29,14 @@
     let cutBy = null;
     let inScroller = false;
     for (const each of parents(element)) {
-      const { overflowX, overflowY, textOverflow, position } = style(each);
+      const { overflowX, overflowY, textOverflow, position, webkitLineClamp } = style(each);
       const box = each.getBoundingClientRect();
-      const line = each.localName === "text" || each instanceof SVGElement;
-      if (!line && each !== document.documentElement && each !== document.body) {
+      if (!(each instanceof SVGElement) && each !== document.documentElement && each !== document.body) {
         if (scrolls(overflowX) || scrolls(overflowY)) inScroller = true;
         const sideways = left < box.left - SLACK || right > box.right + SLACK;
         const upDown = top < box.top - SLACK || bottom > box.bottom + SLACK;
         // Where the end of a text is left out, all of it can be read by pointing at it.
-        const shortened = textOverflow === "ellipsis" || style(each).webkitLineClamp !== "none";
+        const shortened = textOverflow === "ellipsis" || webkitLineClamp !== "none";
         const ellipsis = shortened && element.closest("[title]") !== null;
         if (hides(overflowX) && sideways && !ellipsis && !inScroller) cutBy ??= each;
         if (hides(overflowY) && upDown && !ellipsis && !inScroller) cutBy ??= each;
@@ -46,7 +45,7 @@
       }
       if (position === "fixed") break;
     }
-    return right - left > 1 && bottom - top > 1 ? { left, right, top, bottom, cutBy, inScroller } : { cutBy };
+    return right - left > 1 && bottom - top > 1 ? { left, right, top, bottom, cutBy } : { cutBy };
   }
 
   /** The element that moves by itself when the page is scrolled, if one is around it. */
@@ -103,8 +102,8 @@
   }
 
   items.sort((one, other) => one.top - other.top);
-  const related = (one, other) =>
-    one.contains(other) || other.contains(one) || (one.closest("label, [data-with-left-section], .mantine-Input-wrapper, .mantine-InlineInput-root") ?? one).contains(other);
+  const FIELD = "label, [data-with-left-section], .mantine-Input-wrapper, .mantine-InlineInput-root";
+  const related = (one, other) => one.contains(other) || (one.closest(FIELD) ?? one).contains(other);
   items.forEach((one, index) => {
     for (const other of items.slice(index + 1)) {
       if (other.top >= one.bottom) break;

@@ -92,7 +92,6 @@ def test_a_user_logs_in_changes_the_password_and_logs_out_everywhere(
     expect(page.get_by_label("Password", exact=True)).to_have_attribute("type", "password")
     assert find_violations(page) == []
     assert find_layout_faults(page) == []
-    page.set_viewport_size({"width": 1440, "height": 1000})
     log_in_as(page, "ada", "wrong")
     expect(page.get_by_text("The name or the password is wrong")).to_be_visible()
     assert streams == []

@@ -41,7 +41,6 @@ def test_a_rule_from_its_beginning_to_its_end(page: Page, gateway: RunningGatewa
     expect(rule).to_contain_text("A goal is running")
     assert find_violations(page) == []
     assert find_layout_faults(page) == []
-    page.set_viewport_size({"width": 1440, "height": 1000})
 
     decisions.first.get_by_role("link", name="See the goal").click()
     page.get_by_role("link", name="Automatic docking: Low battery").click()

@@ -36,7 +36,6 @@ def add(page: Page, step: str) -> None:
 def expect_fits(page: Page) -> None:
     assert find_violations(page) == []
     assert find_layout_faults(page) == []
-    page.set_viewport_size({"width": 1440, "height": 1000})
 
 
 def test_a_mission_is_put_together_and_succeeds(page: Page, gateway: RunningGateway) -> None:

@@ -27,7 +27,6 @@ def gateway(domain: int) -> Iterator[RunningGateway]:
 def expect_fits(page: Page) -> None:
     assert find_violations(page) == []
     assert find_layout_faults(page) == []
-    page.set_viewport_size({"width": 1440, "height": 1000})
 
 
 def open_page(page: Page, gateway: RunningGateway, name: str) -> None:

@@ -34,7 +34,6 @@ def test_a_webhook_is_added_tested_and_told_of_a_stop(page: Page, gateway: Runni
     expect(row).to_contain_text(re.compile("Stopped, Robot.*Began.*Delivered", re.DOTALL))
     assert find_violations(page) == []
     assert find_layout_faults(page) == []
-    page.set_viewport_size({"width": 1440, "height": 1000})
 
     page.get_by_role("button", name="Remove Control room").click()
     dialog.get_by_role("button", name="Remove", exact=True).click()
